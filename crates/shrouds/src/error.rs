@@ -1,0 +1,75 @@
+//! The one error type of the library.
+
+/// What can be wrong with what a caller hands in.
+///
+/// Not converging is no error: it is a status in the report of the optimisation.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A dimension is zero, or larger than a crossing can name.
+    #[error(
+        "grid of {dims:?} lattice points: each dimension must lie between 1 and {limit}; crop or split the volume"
+    )]
+    Dimensions {
+        /// Lattice points along x, y, z.
+        dims: [usize; 3],
+        /// The largest allowed dimension.
+        limit: usize,
+    },
+    /// The spacing or the affine is not a usable frame.
+    #[error(
+        "the frame {0} is not usable: spacing must be positive and finite and the axes independent; give the spacing explicitly"
+    )]
+    Frame(String),
+    /// The number of values does not fit the grid.
+    #[error("{values} values were given for a grid of {dims:?} = {points} lattice points")]
+    Length {
+        /// Number of values given.
+        values: usize,
+        /// Lattice points along x, y, z.
+        dims: [usize; 3],
+        /// Their product.
+        points: usize,
+    },
+    /// A voxel value is not a number, so it has no side.
+    #[error(
+        "the value at voxel {voxel:?} (x, y, z) is not a number, and {others} more are not; replace them, for example by 0 where nothing was measured"
+    )]
+    NotANumber {
+        /// Index of the first such voxel.
+        voxel: [usize; 3],
+        /// How many more there are.
+        others: usize,
+    },
+    /// A setting is outside its range.
+    #[error("{name} is {value}, but must be {range}")]
+    Setting {
+        /// Name of the setting.
+        name: &'static str,
+        /// What was given.
+        value: String,
+        /// What is allowed.
+        range: &'static str,
+    },
+    /// The surface has more vertices than a 32-bit index can name.
+    #[error(
+        "the surface has {vertices} vertices; at most {limit} can be indexed: crop or split the volume"
+    )]
+    TooManyVertices {
+        /// Number of crossings found.
+        vertices: u64,
+        /// The largest number that can be indexed.
+        limit: u64,
+    },
+    /// An open border needs two lattice points along each axis for a cell to exist.
+    #[error(
+        "an open border needs at least 2 lattice points along each axis, not {dims:?}; use a closed border"
+    )]
+    NoCells {
+        /// Lattice points along x, y, z.
+        dims: [usize; 3],
+    },
+    /// A mesh refers to a vertex that it does not have, or a coordinate is not finite.
+    #[error("the mesh is damaged: {0}")]
+    Mesh(String),
+}

@@ -1,0 +1,45 @@
+//! Loops over fixed blocks, on as many threads as the caller's pool has.
+//!
+//! The blocks do not depend on the number of threads and partial results are combined in block
+//! order, so every result has the same bits on any number of threads, and without the feature
+//! `parallel` too.
+
+use std::ops::Range;
+
+#[cfg(feature = "parallel")]
+use rayon::prelude::*;
+
+/// Entries per block: large enough to hide the cost of handing out work.
+const BLOCK: usize = 4096;
+
+/// `out[i] = f(i)` for every entry.
+pub(crate) fn fill<T: Send>(out: &mut [T], f: impl Fn(usize) -> T + Sync) {
+    let fill_block = |(block, part): (usize, &mut [T])| {
+        for (offset, slot) in part.iter_mut().enumerate() {
+            *slot = f(block * BLOCK + offset);
+        }
+    };
+    #[cfg(feature = "parallel")]
+    out.par_chunks_mut(BLOCK).enumerate().for_each(fill_block);
+    #[cfg(not(feature = "parallel"))]
+    out.chunks_mut(BLOCK).enumerate().for_each(fill_block);
+}
+
+/// The results of `f` on successive blocks of `0..count`, in order.
+pub(crate) fn blocks<R: Send>(
+    count: usize,
+    block: usize,
+    f: impl Fn(Range<usize>) -> R + Sync,
+) -> Vec<R> {
+    let run = |index: usize| f(index * block..((index + 1) * block).min(count));
+    let blocks = count.div_ceil(block);
+    #[cfg(feature = "parallel")]
+    return (0..blocks).into_par_iter().map(run).collect();
+    #[cfg(not(feature = "parallel"))]
+    (0..blocks).map(run).collect()
+}
+
+/// Sum of `f(i)` over `0..count`, always in the same order.
+pub(crate) fn sum(count: usize, f: impl Fn(usize) -> f64 + Sync) -> f64 {
+    blocks(count, BLOCK, |range| range.map(&f).sum::<f64>()).into_iter().sum()
+}

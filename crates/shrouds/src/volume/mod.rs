@@ -1,0 +1,11 @@
+//! Stage 1 of 7, volume: in values on a lattice, out one bit per lattice point.
+//!
+//! The paper calls the set of inside lattice points an *enumerated volume* and its bits the
+//! *occupancy array* (section 4.3). Uses: `grid`.
+
+mod occupancy;
+pub mod phantom;
+mod select;
+
+pub use occupancy::Occupancy;
+pub use select::{Select, Voxel};
