@@ -1,1 +1,117 @@
-//! energy
+//! Stage 4 of 7, energy: local measures of smoothness of a planar polygon.
+//!
+//! The energy of a polygon is the sum of ρ over its vertices (equation 5), ρ at a vertex depending
+//! on that vertex and its two neighbours. Any such measure can be plugged in: implement
+//! [`CurveFormula`], and value and exact derivatives follow from the one formula.
+//!
+//! Uses: nothing.
+
+mod bending;
+mod curvature;
+mod linear;
+mod parameter;
+mod scalar;
+
+pub use bending::Bending;
+pub use curvature::Curvature;
+pub use linear::Linear;
+pub use parameter::Parameter;
+pub use scalar::{Scalar, Slope};
+
+/// A point in the plane of a curve.
+pub type Point2<S = f64> = [S; 2];
+
+/// Three successive vertices of a planar polygon, each free to move along one coordinate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stencil {
+    /// The previous vertex, the vertex that ρ belongs to, and the next one.
+    pub points: [Point2; 3],
+    /// The coordinate (0 or 1) along which each of them moves.
+    pub moves: [usize; 3],
+}
+
+/// ρ at a vertex as a sum of squares, and how it changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Term {
+    /// `ρ = residual[0]² + residual[1]²`.
+    pub residual: [f64; 2],
+    /// Derivative of each residual as each of the three vertices moves along its coordinate.
+    pub slope: [[f64; 3]; 2],
+}
+
+/// A measure ρ of how far a polygon is from smooth at one of its vertices, written as a formula.
+///
+/// Lengths are in units of the smallest spacing of the volume.
+pub trait CurveFormula: Send + Sync {
+    /// Two numbers the sum of whose squares is ρ at the middle one of three successive vertices.
+    fn residual<S: Scalar>(&self, points: [Point2<S>; 3]) -> [S; 2];
+
+    /// The exponent A of the Meusnier weight `(1 − n_p²)^(A/2)`, `n` being the surface normal at the
+    /// vertex and `p` the normal of the curve's plane; 0 for none.
+    ///
+    /// A slice nearly tangent to the surface cuts a strongly curved curve out of a flat surface and
+    /// must not count in full. An integrand κᵐ ds weighted with A = 2·m + 1 sums to an integral over
+    /// the surface.
+    fn meusnier_exponent(&self) -> f64 {
+        0.0
+    }
+
+    /// The strength c of the barrier `−μ Σ log(4 δ (1 − δ))`, with `μ = min(c·E/N, 0.01)` for energy
+    /// E and N vertices; 0 for none.
+    fn barrier(&self) -> f64 {
+        0.0
+    }
+}
+
+/// A [`CurveFormula`] whose type is not known: what the optimisation works with.
+pub trait CurveEnergy: Send + Sync {
+    /// ρ and its derivatives.
+    fn term(&self, stencil: &Stencil) -> Term;
+    /// ρ at the middle one of three successive vertices.
+    fn rho(&self, points: &[Point2; 3]) -> f64;
+    /// See [`CurveFormula::meusnier_exponent`].
+    fn meusnier_exponent(&self) -> f64;
+    /// See [`CurveFormula::barrier`].
+    fn barrier(&self) -> f64;
+}
+
+impl<F: CurveFormula> CurveEnergy for F {
+    fn term(&self, stencil: &Stencil) -> Term {
+        let mut points = stencil.points.map(|p| p.map(Slope::constant));
+        for (n, &coordinate) in stencil.moves.iter().enumerate() {
+            points[n][coordinate].slope[n] = 1.0;
+        }
+        let residual = self.residual(points);
+        Term { residual: residual.map(|r| r.value), slope: residual.map(|r| r.slope) }
+    }
+
+    fn rho(&self, points: &[Point2; 3]) -> f64 {
+        let [a, b] = self.residual(*points);
+        a * a + b * b
+    }
+
+    fn meusnier_exponent(&self) -> f64 {
+        CurveFormula::meusnier_exponent(self)
+    }
+
+    fn barrier(&self) -> f64 {
+        CurveFormula::barrier(self)
+    }
+}
+
+/// The vector from `a` to `b`.
+fn chord<S: Scalar>(a: Point2<S>, b: Point2<S>) -> Point2<S> {
+    [b[0] - a[0], b[1] - a[1]]
+}
+
+fn length<S: Scalar>(v: Point2<S>) -> S {
+    (v[0] * v[0] + v[1] * v[1]).sqrt()
+}
+
+fn scaled<S: Scalar>(v: Point2<S>, factor: S) -> Point2<S> {
+    [v[0] * factor, v[1] * factor]
+}
+
+fn cross<S: Scalar>(a: Point2<S>, b: Point2<S>) -> S {
+    a[0] * b[1] - a[1] * b[0]
+}

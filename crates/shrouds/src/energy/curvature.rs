@@ -1,0 +1,21 @@
+//! Squared curvature of the local quadratic: equation 6.
+
+use crate::energy::{CurveFormula, Parameter, Point2, Scalar, cross};
+
+/// ρ = κ² of the parametric quadratic through three vertices (equation 6; the power of the
+/// denominator is a misprint there: it is (ẋ² + ẏ²)^(3/2), the whole squared).
+///
+/// With a uniform parameter a third of the vertices end at their bounds; chord length is the default.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Curvature {
+    /// How the quadratic is parametrised.
+    pub parameter: Parameter,
+}
+
+impl CurveFormula for Curvature {
+    fn residual<S: Scalar>(&self, points: [Point2<S>; 3]) -> [S; 2] {
+        let [first, second] = self.parameter.derivatives(points);
+        let speed_squared = first[0] * first[0] + first[1] * first[1];
+        [cross(first, second) / (speed_squared * speed_squared.sqrt()), S::constant(0.0)]
+    }
+}

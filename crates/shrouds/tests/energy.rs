@@ -1,0 +1,127 @@
+//! The energies against formulas: derivatives, circles, lines, and how they scale.
+
+use proptest::prelude::*;
+use shrouds::energy::{Bending, CurveEnergy, Curvature, Linear, Parameter, Point2, Stencil};
+
+const PARAMETERS: [Parameter; 3] = [Parameter::Uniform, Parameter::Chord, Parameter::Centripetal];
+
+/// Every energy with its name and the power of a length scale that ρ follows.
+fn energies() -> Vec<(String, Box<dyn CurveEnergy>, i32)> {
+    let mut all: Vec<(String, Box<dyn CurveEnergy>, i32)> =
+        vec![("bending".into(), Box::new(Bending), -1)];
+    for parameter in PARAMETERS {
+        all.push((format!("curvature {parameter:?}"), Box::new(Curvature { parameter }), -2));
+        all.push((format!("linear {parameter:?}"), Box::new(Linear { parameter }), 2));
+    }
+    all
+}
+
+/// Three vertices no two of which are closer than the margin of δ allows.
+fn three_points() -> impl Strategy<Value = [Point2; 3]> {
+    let step = || (0.05..1.5f64, -3.1..3.1f64).prop_map(|(l, a)| [l * a.cos(), l * a.sin()]);
+    (-5.0..5.0f64, -5.0..5.0f64, step(), step()).prop_map(|(x, y, a, b)| {
+        [[x, y], [x + a[0], y + a[1]], [x + a[0] + b[0], y + a[1] + b[1]]]
+    })
+}
+
+fn close(a: f64, b: f64, tolerance: f64) -> bool {
+    (a - b).abs() <= tolerance * (1.0 + a.abs().max(b.abs()))
+}
+
+proptest! {
+    #[test]
+    fn derivatives_agree_with_finite_differences(
+        points in three_points(), moves in proptest::array::uniform3(0usize..2)
+    ) {
+        for (name, energy, _) in energies() {
+            let term = energy.term(&Stencil { points, moves });
+            let value = term.residual[0].powi(2) + term.residual[1].powi(2);
+            prop_assert!(close(value, energy.rho(&points), 1e-12), "{name}");
+            for n in 0..3 {
+                let at = |step: f64| {
+                    let mut moved = points;
+                    moved[n][moves[n]] += step;
+                    energy.term(&Stencil { points: moved, moves }).residual
+                };
+                // Richardson's extrapolation of the central difference: error of fourth order.
+                let (h, k) = (2e-5, 1e-5);
+                for r in 0..2 {
+                    let wide = (at(h)[r] - at(-h)[r]) / (2.0 * h);
+                    let narrow = (at(k)[r] - at(-k)[r]) / (2.0 * k);
+                    let difference = (4.0 * narrow - wide) / 3.0;
+                    let scale = 1.0 + term.residual[r].abs() / 0.05;
+                    prop_assert!(
+                        (difference - term.slope[r][n]).abs() < 1e-5 * scale * (1.0 + difference.abs()),
+                        "{name} vertex {n}: {difference} against {}", term.slope[r][n]
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn turning_and_shifting_change_nothing_and_scaling_follows_a_power(
+        points in three_points(), angle in 0.0..6.3f64, scale in 0.2..5.0f64
+    ) {
+        let (s, c) = angle.sin_cos();
+        let moved = points.map(|[x, y]| [c * x - s * y + 3.0, s * x + c * y - 1.0]);
+        let grown = points.map(|p| p.map(|x| x * scale));
+        let mirrored = points.map(|[x, y]| [y, x]);
+        let reversed = [points[2], points[1], points[0]];
+        for (name, energy, power) in energies() {
+            let rho = energy.rho(&points);
+            prop_assert!(close(energy.rho(&moved), rho, 1e-9), "{name} turned");
+            prop_assert!(close(energy.rho(&mirrored), rho, 1e-9), "{name} mirrored");
+            prop_assert!(close(energy.rho(&reversed), rho, 1e-9), "{name} reversed");
+            prop_assert!(close(energy.rho(&grown), rho * scale.powi(power), 1e-9), "{name} scaled");
+        }
+    }
+
+    #[test]
+    fn straight_lines_cost_nothing_however_their_vertices_are_spaced(
+        angle in 0.0..6.3f64, first in 0.003..1.5f64, second in 0.003..1.5f64
+    ) {
+        let on_line = [-first, 0.0, second].map(|l| [l * angle.cos(), l * angle.sin()]);
+        for (name, energy, _) in energies() {
+            let straight = name != "linear Uniform" && name != "linear Centripetal";
+            if straight {
+                prop_assert!(energy.rho(&on_line) < 1e-18, "{name}: {}", energy.rho(&on_line));
+            } else if (first / second).ln().abs() > 0.1 {
+                prop_assert!(energy.rho(&on_line) > 1e-8, "{name} is not blind to the spacing");
+            }
+        }
+    }
+}
+
+#[test]
+fn samples_of_a_circle_give_its_curvature() {
+    for radius in [3.0f64, 20.0] {
+        // Even and uneven steps; the error is of second order in them.
+        for step in [0.04, 0.02] {
+            for ratio in [1.0, 1.7] {
+                let at = |a: f64| [radius * a.cos(), radius * a.sin()];
+                let points = [at(0.3), at(0.3 + step), at(0.3 + step * (1.0 + ratio))];
+                let size = step * ratio;
+                for parameter in PARAMETERS {
+                    // Only chord length follows uneven steps to first order.
+                    if ratio == 1.0 || parameter == Parameter::Chord {
+                        let rho = Curvature { parameter }.rho(&points);
+                        assert!(close(rho * radius * radius, 1.0, size * size), "{parameter:?}");
+                    }
+                }
+                let lengths = radius * step * (1.0 + ratio) / 2.0;
+                let expected = lengths / (radius * radius);
+                assert!(close(Bending.rho(&points) / expected, 1.0, size * size));
+            }
+        }
+    }
+}
+
+#[test]
+fn linear_with_a_uniform_parameter_is_the_second_difference() {
+    let points = [[0.3, 1.0], [0.9, 2.0], [2.0, 2.2]];
+    let points: [Point2; 3] = points;
+    let second = [0, 1].map(|k: usize| points[0][k] - 2.0 * points[1][k] + points[2][k]);
+    let expected = 16.0 * (second[0].powi(2) + second[1].powi(2));
+    assert!(close(Linear::default().rho(&points), expected, 1e-14));
+}
