@@ -22,6 +22,7 @@
 
 mod error;
 mod parallel;
+mod vector;
 pub mod grid;
 pub mod volume;
 pub mod surface;
@@ -35,5 +36,5 @@ mod pipeline;
 pub use error::Error;
 pub use grid::Grid;
 pub use mesh::TriMesh;
-// PIPELINE
+pub use pipeline::{Settings, Shroud, Times, shroud, shroud_observed};
 pub use volume::{Occupancy, Select};

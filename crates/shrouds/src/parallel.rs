@@ -14,15 +14,7 @@ const BLOCK: usize = 4096;
 
 /// `out[i] = f(i)` for every entry.
 pub(crate) fn fill<T: Send>(out: &mut [T], f: impl Fn(usize) -> T + Sync) {
-    let fill_block = |(block, part): (usize, &mut [T])| {
-        for (offset, slot) in part.iter_mut().enumerate() {
-            *slot = f(block * BLOCK + offset);
-        }
-    };
-    #[cfg(feature = "parallel")]
-    out.par_chunks_mut(BLOCK).enumerate().for_each(fill_block);
-    #[cfg(not(feature = "parallel"))]
-    out.chunks_mut(BLOCK).enumerate().for_each(fill_block);
+    update(out, |i, slot| *slot = f(i));
 }
 
 /// The results of `f` on successive blocks of `0..count`, in order.
@@ -42,4 +34,17 @@ pub(crate) fn blocks<R: Send>(
 /// Sum of `f(i)` over `0..count`, always in the same order.
 pub(crate) fn sum(count: usize, f: impl Fn(usize) -> f64 + Sync) -> f64 {
     blocks(count, BLOCK, |range| range.map(&f).sum::<f64>()).into_iter().sum()
+}
+
+/// `f(i, &mut values[i])` for every entry.
+pub(crate) fn update<T: Send>(values: &mut [T], f: impl Fn(usize, &mut T) + Sync) {
+    let update_block = |(block, part): (usize, &mut [T])| {
+        for (offset, value) in part.iter_mut().enumerate() {
+            f(block * BLOCK + offset, value);
+        }
+    };
+    #[cfg(feature = "parallel")]
+    values.par_chunks_mut(BLOCK).enumerate().for_each(update_block);
+    #[cfg(not(feature = "parallel"))]
+    values.chunks_mut(BLOCK).enumerate().for_each(update_block);
 }

@@ -1,1 +1,101 @@
-//! pipeline
+//! The whole story in a few calls.
+
+use std::time::Instant;
+
+use crate::error::Error;
+use crate::mesh::{MeshKind, TriMesh, Triangles};
+use crate::network::Network;
+use crate::optimize::{self, Observer, Report, optimize};
+use crate::surface::{Border, FaceRule, Surface};
+use crate::volume::Occupancy;
+
+/// Everything a caller can choose.
+#[derive(Clone, Default)]
+pub struct Settings {
+    /// How ambiguous faces are cut. Default [`FaceRule::Separate`].
+    pub faces: FaceRule,
+    /// What lies beyond the volume. Default [`Border::Closed`].
+    pub border: Border,
+    /// Energy, solver, start and stop rule.
+    pub optimize: optimize::Settings,
+    /// Which mesh to make. Default [`MeshKind::Primal`].
+    pub mesh: MeshKind,
+    /// How patches are cut into triangles. Default [`Triangles::Fitted`].
+    pub triangles: Triangles,
+}
+
+/// An optimal separating surface and all that led to it.
+#[derive(Debug, Clone)]
+pub struct Shroud {
+    /// Crossings and patches.
+    pub surface: Surface,
+    /// The planar curves.
+    pub network: Network,
+    /// δ of every vertex of the surface, in `[margin, 1 − margin]`; 1 is the inside end.
+    pub delta: Vec<f64>,
+    /// The mesh in world coordinates.
+    pub mesh: TriMesh,
+    /// How the optimisation went.
+    pub report: Report,
+    /// How long each stage took.
+    pub times: Times,
+}
+
+/// Seconds spent in each stage.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Times {
+    /// Finding crossings and patches.
+    pub surface: f64,
+    /// Tracing the network.
+    pub network: f64,
+    /// Optimising δ.
+    pub optimize: f64,
+    /// Placing vertices and choosing triangles.
+    pub mesh: f64,
+}
+
+/// The shroud of a volume: the optimal separating surface of equation 4.
+///
+/// An empty volume gives an empty mesh, with status [`optimize::Status::Empty`].
+///
+/// # Errors
+/// Those of [`Surface::extract`] and [`optimize()`]; [`Error::Setting`] when a dual mesh is asked of an
+/// open border.
+pub fn shroud(volume: &Occupancy, settings: &Settings) -> Result<Shroud, Error> {
+    shroud_observed(volume, settings, &mut |_| std::ops::ControlFlow::Continue(()))
+}
+
+/// As [`shroud`], telling an observer after every iteration how far it has come; the observer may
+/// stop the optimisation.
+///
+/// # Errors
+/// As [`shroud`].
+pub fn shroud_observed(
+    volume: &Occupancy,
+    settings: &Settings,
+    observer: &mut Observer,
+) -> Result<Shroud, Error> {
+    if settings.mesh == MeshKind::Dual && settings.border == Border::Open {
+        let value = "open".to_string();
+        return Err(Error::Setting { name: "border", value, range: "closed for a dual mesh" });
+    }
+    let mut times = Times::default();
+    let surface = timed(&mut times.surface, || {
+        Surface::extract(volume, settings.faces, settings.border)
+    })?;
+    let network = timed(&mut times.network, || Network::trace(&surface));
+    let (delta, report) = timed(&mut times.optimize, || {
+        optimize(volume, &surface, &network, &settings.optimize, observer)
+    })?;
+    let mesh = timed(&mut times.mesh, || {
+        TriMesh::place(&surface, &network, &delta, settings.mesh, settings.triangles)
+    });
+    Ok(Shroud { surface, network, delta, mesh, report, times })
+}
+
+fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    let result = work();
+    *seconds = start.elapsed().as_secs_f64();
+    result
+}

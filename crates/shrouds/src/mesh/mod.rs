@@ -2,6 +2,16 @@
 //!
 //! Uses: `grid`, `surface`, `network`.
 
+mod dual;
+mod normals;
+mod primal;
+
+pub use normals::network_normals;
+
+use crate::network::Network;
+use crate::surface::Surface;
+use crate::vector::{Vector, cross, dot, length, subtract};
+
 /// A triangle mesh in world coordinates.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TriMesh {
@@ -11,4 +21,93 @@ pub struct TriMesh {
     pub triangles: Vec<[u32; 3]>,
     /// Unit normals pointing outside, `N × 3`, or empty where none are known.
     pub normals: Vec<[f64; 3]>,
+}
+
+/// Which mesh stands for the surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub enum MeshKind {
+    /// One vertex per crossing; the 4\*-network is part of the mesh's edges.
+    #[default]
+    Primal,
+    /// One vertex per patch, at the mean of its corners, and one polygon per crossing: separates the
+    /// voxels as strictly, and its triangles have no small angles. Needs a closed border.
+    Dual,
+}
+
+/// How patches are cut into triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub enum Triangles {
+    /// The legal triangles that fit the network's normals best; they depend on δ.
+    #[default]
+    Fitted,
+    /// The same legal triangles for every δ.
+    Fixed,
+}
+
+impl TriMesh {
+    /// The mesh of the separating surface S(δ) (equation 3).
+    ///
+    /// `delta` has one value per vertex of the surface, 1 at the inside end of its grid edge.
+    ///
+    /// # Panics
+    /// When `delta` has not one value per vertex.
+    pub fn place(
+        surface: &Surface,
+        network: &Network,
+        delta: &[f64],
+        kind: MeshKind,
+        triangles: Triangles,
+    ) -> Self {
+        assert_eq!(delta.len(), surface.vertex_count(), "one delta per vertex");
+        let mut vertices = vec![[0.0; 3]; delta.len()];
+        crate::parallel::fill(&mut vertices, |v| {
+            surface.grid().point(surface.crossings()[v].position(delta[v]))
+        });
+        let normals = network_normals(surface, network, &vertices);
+        let mut mesh = match kind {
+            MeshKind::Primal => primal::mesh(surface, vertices, normals, triangles),
+            MeshKind::Dual => dual::mesh(surface, network, &vertices, &normals, triangles),
+        };
+        if surface.grid().is_mirrored() {
+            mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        }
+        mesh
+    }
+
+    /// The three corners of a triangle.
+    ///
+    /// # Panics
+    /// When the triangle names a vertex that does not exist.
+    pub fn corners(&self, triangle: [u32; 3]) -> [[f64; 3]; 3] {
+        triangle.map(|v| self.vertices[v as usize])
+    }
+
+    /// Area of the mesh in squared world units.
+    pub fn area(&self) -> f64 {
+        self.triangles.iter().map(|&t| length(doubled_area(self.corners(t))) / 2.0).sum()
+    }
+
+    /// Volume enclosed by a closed mesh, in cubic world units; positive when it faces outwards.
+    pub fn volume(&self) -> f64 {
+        let Some(&origin) = self.vertices.first() else { return 0.0 };
+        let tetrahedron = |t: &[u32; 3]| {
+            let [a, b, c] = self.corners(*t).map(|p| subtract(p, origin));
+            dot(a, cross(b, c)) / 6.0
+        };
+        self.triangles.iter().map(tetrahedron).sum()
+    }
+}
+
+/// Normal of a triangle with twice its area as length.
+fn doubled_area([a, b, c]: [Vector; 3]) -> Vector {
+    cross(subtract(b, a), subtract(c, a))
+}
+
+/// How badly a triangle fits a direction: its area times the squared angle between the two, and a
+/// trace of its area to settle flat cases.
+fn misfit(corners: [Vector; 3], direction: Vector) -> f64 {
+    let normal = doubled_area(corners);
+    let doubled = length(normal);
+    let angle = length(cross(normal, direction)).atan2(dot(normal, direction));
+    0.5 * doubled * (angle * angle + 1e-6)
 }

@@ -29,6 +29,18 @@ pub enum Link {
     AcrossHigh,
 }
 
+impl Link {
+    /// The slot of a vertex as seen from the neighbour in its slot `slot`: in the same plane the
+    /// neighbour's own slots are named the other way round.
+    pub fn back_slot(self, slot: usize) -> usize {
+        match self {
+            Self::Parallel => slot ^ 1,
+            Self::AcrossLow => 2 * (1 - slot / 2) + 1,
+            Self::AcrossHigh => 2 * (1 - slot / 2),
+        }
+    }
+}
+
 /// The four neighbours of every vertex.
 ///
 /// A vertex whose grid edge runs along axis `d` has two curves, `c = 0` and `c = 1`. Curve `c` lies
@@ -109,10 +121,10 @@ impl Network {
         [0, 1].map(|side| self.neighbour(v, 2 * c + side).map(|(u, _)| u))
     }
 
-    /// From `v` one step further along the curve normal to `axis`, away from its neighbour `back`.
-    pub fn onward(&self, v: u32, back: u32, axis: usize) -> Option<u32> {
-        let [a, b] = self.on_plane(v, axis);
-        if a == Some(back) { b } else { a }
+    /// The vertex two steps from `v` along the curve of a slot.
+    pub fn second_neighbour(&self, v: u32, slot: usize) -> Option<u32> {
+        let (u, link) = self.neighbour(v, slot)?;
+        self.neighbour(u, link.back_slot(slot) ^ 1).map(|(far, _)| far)
     }
 }
 

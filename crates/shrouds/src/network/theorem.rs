@@ -42,7 +42,7 @@ impl Network {
             let mut found = [0; 2];
             for slot in 0..4 {
                 let (normal, across) = self.curve_axes(v as u32, slot / 2);
-                let Some((u, _)) = self.neighbour(v as u32, slot) else {
+                let Some((u, link)) = self.neighbour(v as u32, slot) else {
                     let dims = surface.grid().dims();
                     let low = crossing.low()[across];
                     let at_border = if slot % 2 == 0 { low == 0 } else { low + 1 == dims[across] };
@@ -55,8 +55,8 @@ impl Network {
                 let in_plane =
                     other.axis() != normal && other.low()[normal] == crossing.low()[normal];
                 report.off_plane += usize::from(!in_plane);
-                let returns = self.on_plane(u, normal).contains(&Some(v as u32));
-                report.asymmetric += usize::from(!returns);
+                let back = self.neighbour(u, link.back_slot(slot)).map(|(back, _)| back);
+                report.asymmetric += usize::from(back != Some(v as u32));
             }
             report.on_two_curves += usize::from(found[0] > 0 && found[1] > 0);
             report.valence_four += usize::from(found == [2, 2]);

@@ -1,6 +1,6 @@
 //! The planar curves as polygons.
 
-use crate::network::{NONE, Network};
+use crate::network::Network;
 
 /// One planar polygon of the 4\*-network.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,18 +36,21 @@ impl Network {
     }
 
     fn walk(&self, start: u32, axis: usize, seen: &mut [bool]) -> Curve {
-        let mut vertices = Vec::new();
-        let (mut back, mut here) = (NONE, start);
+        let mut vertices = vec![start];
+        seen[start as usize] = true;
         // From an end the only way is its one neighbour; elsewhere start on the − side.
-        let first = self.on_plane(start, axis).into_iter().flatten().next();
-        loop {
-            seen[here as usize] = true;
-            vertices.push(here);
-            let next = if back == NONE { first } else { self.onward(here, back, axis) };
-            match next {
-                Some(next) if next != start => (back, here) = (here, next),
-                next => return Curve { axis, vertices, closed: next.is_some() },
+        let c = self.curve_normal_to(start, axis).unwrap_or(0);
+        let mut slot = if self.neighbour(start, 2 * c).is_some() { 2 * c } else { 2 * c + 1 };
+        let mut here = start;
+        while let Some((next, link)) = self.neighbour(here, slot) {
+            if next == start {
+                return Curve { axis, vertices, closed: true };
             }
+            seen[next as usize] = true;
+            vertices.push(next);
+            slot = link.back_slot(slot) ^ 1;
+            here = next;
         }
+        Curve { axis, vertices, closed: false }
     }
 }

@@ -15,6 +15,7 @@ pub struct LoopShape {
     /// Bit `j` of `legal[i]`: corners `i` and `j` do not lie on a common cell face.
     legal: [u8; MAX_CORNERS],
     fixed: Vec<[u8; 3]>,
+    twins: Vec<[u8; 2]>,
 }
 
 impl LoopShape {
@@ -30,6 +31,19 @@ impl LoopShape {
     /// middles of the grid edges.
     pub fn fixed(&self) -> &[[u8; 3]] {
         &self.fixed
+    }
+
+    /// The cell of the loop as seen from the grid edge of corner `i`, which four cells surround: bit
+    /// 0 is set when the cell lies on the high side along the axis after the edge's own, bit 1 along
+    /// the one after that.
+    pub fn quadrant(&self, i: usize) -> usize {
+        usize::from(!self.edges[i] & 3)
+    }
+
+    /// Pairs of loop segments that lie on the same cell face, which then is ambiguous. Segment `n`
+    /// joins corner `n` to the next one.
+    pub fn twins(&self) -> &[[u8; 2]] {
+        &self.twins
     }
 
     /// The cell edges of the loop's corners.
@@ -141,7 +155,13 @@ fn loop_shape(edges: Vec<u8>) -> LoopShape {
         &mut fixed,
     );
     debug_assert!(found, "no legal triangulation of loop {edges:?}");
-    LoopShape { edges, legal, fixed }
+    let segment_face = |n: usize| faces[n] & faces[(n + 1) % faces.len()];
+    let twins = (0..edges.len())
+        .flat_map(|n| (n + 1..edges.len()).map(move |m| [n, m]))
+        .filter(|&[n, m]| segment_face(n) & segment_face(m) != 0)
+        .map(|pair| pair.map(|n| n as u8))
+        .collect();
+    LoopShape { edges, legal, fixed, twins }
 }
 
 /// Twice the coordinates of the middle of an edge, in cell units.

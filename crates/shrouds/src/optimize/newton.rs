@@ -1,0 +1,142 @@
+//! The default method: Gauss–Newton on all vertices at once, within the box.
+
+use crate::optimize::conjugate::{Effort, Room, Workspace};
+use crate::optimize::model::Model;
+use crate::optimize::problem::Problem;
+use crate::optimize::report::{Round, Stationarity, Status};
+use crate::optimize::settings::{Observer, Progress, Settings};
+use crate::optimize::univariate;
+use crate::parallel;
+
+/// How often weights and barrier are frozen anew, if the energy has any.
+const ROUNDS: usize = 3;
+/// Steps in all rounds but the last, which runs until the stop rule is satisfied.
+const EARLY_STEPS: usize = 4;
+/// Chords below this part of the smallest spacing get a repair: there the linearised energy, whose
+/// derivatives grow with the inverse of the length, is worth little.
+const SHORT_CHORD: f64 = 0.2;
+/// With a barrier a step covers at most this part of the way to a bound.
+const MOST_OF_THE_WAY: f64 = 0.95;
+
+/// Steps until the root mean square of the projected step falls to the tolerance.
+pub(super) fn solve(
+    problem: &mut Problem,
+    x: &mut Vec<f64>,
+    settings: &Settings,
+    observer: &mut Observer,
+) -> Vec<Round> {
+    let count = if problem.needs_freezing() { ROUNDS } else { 1 };
+    let mut solver = Newton::new(problem);
+    let mut rounds: Vec<Round> = Vec::new();
+    let mut done = 0;
+    for round in 0..count {
+        problem.freeze(x);
+        let left = settings.max_iterations() - done;
+        let limit = if round + 1 < count { EARLY_STEPS.min(left) } else { left };
+        rounds.push(solver.round(problem, x, settings, limit, done, observer));
+        done += rounds[round].energies.len() - 1;
+        if rounds[round].status == Status::Cancelled {
+            break;
+        }
+    }
+    rounds
+}
+
+struct Newton {
+    model: Model,
+    workspace: Workspace,
+    damping: f64,
+}
+
+impl Newton {
+    fn new(problem: &Problem) -> Self {
+        let count = problem.vertex_count();
+        Self { model: Model::new(problem), workspace: Workspace::new(count), damping: 1e-3 }
+    }
+
+    fn round(
+        &mut self,
+        problem: &Problem,
+        x: &mut Vec<f64>,
+        settings: &Settings,
+        limit: usize,
+        done: usize,
+        observer: &mut Observer,
+    ) -> Round {
+        let mut energy = problem.value(x);
+        let mut round = Round::new(energy);
+        let tolerance = settings.tolerance();
+        for step in 0..=limit {
+            self.model.linearise(problem, x);
+            let change = Stationarity::of(&self.model, x, problem.bounds).step_rms();
+            let progress = Progress { iteration: done + step, energy, change, tolerance };
+            if std::env::var("LAB").is_ok() { eprintln!("  {step} E {energy:.8} rms {change:.3e} damping {:.1e}", self.damping); }
+            if observer(progress).is_break() {
+                round.status = Status::Cancelled;
+                break;
+            }
+            if change <= tolerance {
+                round.status = Status::Converged;
+                break;
+            }
+            if step == limit {
+                break;
+            }
+            match self.step(problem, x, energy) {
+                Some(lower) => energy = lower,
+                None => {
+                    round.status = Status::Stalled;
+                    break;
+                }
+            }
+            round.energies.push(energy);
+        }
+        round
+    }
+
+    /// One step that lowers the energy, with more damping until it does. Returns the new energy, or
+    /// nothing when no attempt helped.
+    fn step(&mut self, problem: &Problem, x: &mut Vec<f64>, energy: f64) -> Option<f64> {
+        const ATTEMPTS: usize = 12;
+        let room = room(problem, x);
+        let effort = Effort { segment: 25, segments: 4, reduction: 1e-2 };
+        for _ in 0..ATTEMPTS {
+            self.workspace.solve(&self.model, &room, self.damping, &effort);
+            let mut trial = vec![0.0; x.len()];
+            let step = &self.workspace.step;
+            let [low, high] = problem.bounds;
+            parallel::fill(&mut trial, |v| (x[v] + step[v]).clamp(low, high));
+            repair(problem, &mut trial);
+            let lower = problem.value(&trial);
+            if lower < energy {
+                *x = trial;
+                self.damping = (self.damping * 0.3).max(1e-9);
+                return Some(lower);
+            }
+            self.damping = (self.damping * 4.0).max(1e-6);
+        }
+        None
+    }
+}
+
+/// How far every vertex may move down and up its grid edge in one step.
+fn room(problem: &Problem, x: &[f64]) -> Room {
+    let [low, high] = problem.bounds;
+    let part = if problem.has_barrier() { MOST_OF_THE_WAY } else { 1.0 };
+    let mut room = Room { low: vec![0.0; x.len()], high: vec![0.0; x.len()] };
+    parallel::fill(&mut room.low, |v| part * (low - x[v]));
+    parallel::fill(&mut room.high, |v| part * (high - x[v]));
+    room
+}
+
+/// One univariate step on every vertex with a very short chord, in order.
+fn repair(problem: &Problem, x: &mut [f64]) {
+    let shortest = SHORT_CHORD * SHORT_CHORD;
+    let lists = parallel::blocks(x.len(), 4096, |range| {
+        let short = |v: &u32| problem.shortest_chord_squared(x, *v) < shortest;
+        (range.start as u32..range.end as u32).filter(short).collect::<Vec<_>>()
+    });
+    for v in lists.concat() {
+        univariate::step(problem, x, v);
+    }
+}

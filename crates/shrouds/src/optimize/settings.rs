@@ -1,0 +1,110 @@
+//! What a caller can choose about the optimisation.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use crate::energy::{Bending, CurveEnergy};
+use crate::error::Error;
+
+/// How the minimum is sought.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Solver {
+    /// Box-constrained Gauss–Newton with conjugate gradients, all vertices at once.
+    #[default]
+    Newton,
+    /// The paper's method (section 2): sweeps over the vertices in order, one univariate
+    /// minimisation each.
+    Sweeps,
+}
+
+/// Where the vertices start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Start {
+    /// Where the occupancy, blurred by one voxel, passes one half.
+    #[default]
+    Blur,
+    /// The middle of the grid edges: the midpoint surface M (equation 2).
+    Midpoint,
+    /// Anywhere on the grid edges, drawn from this seed.
+    Random(u64),
+}
+
+/// Settings of the optimisation.
+#[derive(Clone)]
+pub struct Settings {
+    /// The measure ρ to minimise. Default [`Bending`].
+    pub energy: Arc<dyn CurveEnergy>,
+    /// The method. Default [`Solver::Newton`].
+    pub solver: Solver,
+    /// Where to start from. Default [`Start::Blur`].
+    pub start: Start,
+    /// δ stays within `[margin, 1 − margin]`, so that no vertex touches a lattice point.
+    /// Range [1e-6, 0.1]; default 0.002.
+    pub margin: f64,
+    /// When to stop. `Newton`: when the root mean square of the projected step falls to it.
+    /// `Sweeps`: when ‖δᵏ − δᵏ⁺¹‖/‖δᵏ⁺¹‖ does, the paper's rule. Range (0, 1); default 1e-4 for
+    /// `Newton`, 1e-6 for `Sweeps`.
+    pub tolerance: Option<f64>,
+    /// Hard limit on Gauss–Newton steps or sweeps. Default 100 or 1000.
+    pub max_iterations: Option<usize>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            energy: Arc::new(Bending),
+            solver: Solver::default(),
+            start: Start::default(),
+            margin: 0.002,
+            tolerance: None,
+            max_iterations: None,
+        }
+    }
+}
+
+impl Settings {
+    /// The tolerance in force.
+    pub fn tolerance(&self) -> f64 {
+        self.tolerance.unwrap_or(match self.solver {
+            Solver::Newton => 1e-4,
+            Solver::Sweeps => 1e-6,
+        })
+    }
+
+    /// The iteration limit in force.
+    pub fn max_iterations(&self) -> usize {
+        self.max_iterations.unwrap_or(match self.solver {
+            Solver::Newton => 100,
+            Solver::Sweeps => 1000,
+        })
+    }
+
+    pub(super) fn validate(&self) -> Result<(), Error> {
+        let refuse = |name, value: f64, range| {
+            Err(Error::Setting { name, value: value.to_string(), range })
+        };
+        if !(1e-6..=0.1).contains(&self.margin) {
+            return refuse("margin", self.margin, "between 1e-6 and 0.1");
+        }
+        if !(self.tolerance() > 0.0 && self.tolerance() < 1.0) {
+            return refuse("tolerance", self.tolerance(), "above 0 and below 1");
+        }
+        Ok(())
+    }
+}
+
+/// How far the optimisation has come.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// Iterations done, over all rounds.
+    pub iteration: usize,
+    /// The energy, with the weights of the current round.
+    pub energy: f64,
+    /// What the stop rule looks at, and the value at which it stops.
+    pub change: f64,
+    /// The tolerance that `change` has to reach.
+    pub tolerance: f64,
+}
+
+/// Told after every iteration; [`ControlFlow::Break`] stops the optimisation with what it has.
+pub type Observer<'a> = dyn FnMut(Progress) -> ControlFlow<()> + 'a;

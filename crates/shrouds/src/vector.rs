@@ -1,0 +1,48 @@
+//! Small vectors.
+
+pub(crate) type Vector = [f64; 3];
+
+pub(crate) fn add(a: Vector, b: Vector) -> Vector {
+    std::array::from_fn(|k| a[k] + b[k])
+}
+
+pub(crate) fn subtract<const D: usize>(a: [f64; D], b: [f64; D]) -> [f64; D] {
+    std::array::from_fn(|k| a[k] - b[k])
+}
+
+pub(crate) fn scale<const D: usize>(a: [f64; D], factor: f64) -> [f64; D] {
+    a.map(|x| x * factor)
+}
+
+pub(crate) fn dot<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
+    (0..D).map(|k| a[k] * b[k]).sum()
+}
+
+pub(crate) fn cross(a: Vector, b: Vector) -> Vector {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+pub(crate) fn length<const D: usize>(a: [f64; D]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// The vector with length 1; the zero vector stays as it is.
+pub(crate) fn unit(a: Vector) -> Vector {
+    let length = length(a);
+    if length > 0.0 { scale(a, 1.0 / length) } else { a }
+}
+
+/// Direction of a curve between two chords that both point forwards: the tangent of the circle
+/// through the three vertices. Where one is missing it is the other; its length means nothing.
+pub(crate) fn tangent<const D: usize>(
+    before: Option<[f64; D]>,
+    after: Option<[f64; D]>,
+) -> Option<[f64; D]> {
+    match (before, after) {
+        (Some(u), Some(w)) => {
+            let (uu, ww) = (dot(u, u), dot(w, w));
+            Some(std::array::from_fn(|k| u[k] * ww + w[k] * uu))
+        }
+        (before, after) => before.or(after),
+    }
+}
