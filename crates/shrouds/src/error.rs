@@ -69,6 +69,14 @@ pub enum Error {
         /// Lattice points along x, y, z.
         dims: [usize; 3],
     },
+    /// No phantom has this name.
+    #[error("there is no phantom named {name:?}; choose one of {known}")]
+    UnknownPhantom {
+        /// What was asked for.
+        name: String,
+        /// The names there are.
+        known: String,
+    },
     /// A mesh refers to a vertex that it does not have, or a coordinate is not finite.
     #[error("the mesh is damaged: {0}")]
     Mesh(String),
