@@ -117,7 +117,7 @@ mod tests {
     use shrouds::TriMesh;
 
     use super::*;
-    use crate::camera::{Camera, Projection};
+    use crate::camera::{Camera, Projection, View};
     use crate::scene::LineSet;
 
     #[test]
@@ -144,5 +144,36 @@ mod tests {
         assert!(whole.iter().any(|&sample| sample != [9; 3]));
         let parts: Vec<_> = (0..10).flat_map(|i| rows(7 * i..7 * i + 7)).collect();
         assert!(whole == parts);
+    }
+
+    #[test]
+    fn perspective_blends_along_the_surface_and_not_the_screen() {
+        let mesh = TriMesh {
+            vertices: vec![[-1.0, -1.0, -3.0], [1.0, -1.0, 0.0], [0.0, 1.0, 3.0]],
+            triangles: vec![[0, 1, 2]],
+            normals: vec![],
+        };
+        let colours = [[255, 0, 0], [0, 255, 0], [0, 0, 255]];
+        let scene = Scene::new(&mesh).colours(Colours::PerVertex(&colours));
+        let style = Style { ambient: 1.0, ..Style::default() };
+        let projection = Projection::Perspective { angle: 90.0 };
+        let camera = Camera { projection, ..Camera::default().view(View::Top) };
+        let lens = Lens::new(&scene, &camera, [400.0, 400.0], 0.05).unwrap().unwrap();
+        let gamma = Gamma::new();
+        let painter = Painter::new(&scene, &style, &lens, &gamma).unwrap();
+        let mut band = Band::new(400, 0..400, [0; 3]);
+        painter.paint(&mut band);
+        for weights in [[1.0, 1.0, 1.0], [3.0, 1.0, 1.0], [1.0, 1.0, 4.0]] {
+            let weights = scaled(weights, 1.0 / weights.iter().sum::<f64>());
+            let corners = [0, 1, 2].map(|i| mesh.vertices[i]);
+            let place = lens.place(blend(&corners, weights));
+            let sample = band.samples()[place.y as usize * 400 + place.x as usize];
+            for (part, weight) in sample.into_iter().zip(weights) {
+                assert!(
+                    (f64::from(part) / 65535.0 - weight).abs() < 0.02,
+                    "{sample:?} {weights:?}"
+                );
+            }
+        }
     }
 }
