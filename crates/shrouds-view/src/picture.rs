@@ -1,0 +1,120 @@
+//! The finished picture: drawn band by band, so that memory does not grow with the mesh.
+
+use std::io::Write;
+
+use crate::camera::Camera;
+use crate::error::Error;
+use crate::lens::Lens;
+use crate::paint::Painter;
+use crate::raster::Band;
+use crate::scene::Scene;
+use crate::shade::{Gamma, Sample, Style};
+
+/// Samples held at a time, if a single row of pixels does not need more.
+const BAND: usize = 1 << 22;
+
+/// A picture of 8-bit sRGB pixels.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Picture {
+    width: u32,
+    height: u32,
+    pixels: Vec<u8>,
+}
+
+impl Picture {
+    /// Draw a scene. The same input gives the same bytes on every run.
+    ///
+    /// Triangles without area do not show; a scene without triangles and lines gives the background.
+    /// Besides the pixels, about 40 megabytes are needed at most, and for smooth shading three numbers
+    /// per vertex.
+    ///
+    /// # Errors
+    /// [`Error::Size`], [`Error::Memory`] for the size of the picture; [`Error::Setting`] for camera,
+    /// style and line widths; [`Error::NotFinite`], [`Error::Index`], [`Error::Length`] for a damaged
+    /// mesh or colours that do not fit it; [`Error::TooClose`] when the scene is thousands of times
+    /// larger than what the camera frames.
+    pub fn draw(scene: &Scene, camera: &Camera, style: &Style) -> Result<Self, Error> {
+        style.check()?;
+        scene.check()?;
+        let (width, height) = (style.width as usize, style.height as usize);
+        let samples = style.samples as usize;
+        let size = [width * samples, height * samples].map(|side| side as f64);
+        let lens = Lens::new(scene, camera, size, style.margin)?;
+        let mut pixels = Vec::new();
+        let memory = |_| Error::Memory { width: style.width, height: style.height };
+        pixels.try_reserve_exact(width * height * 3).map_err(memory)?;
+
+        let gamma = Gamma::new();
+        let background = gamma.sample(style.background);
+        let painter = match &lens {
+            Some(lens) => Some(Painter::new(scene, style, lens, &gamma)?),
+            None => None,
+        };
+        let rows_at_once = (BAND / (width * samples * samples)).max(1);
+        for top in (0..height).step_by(rows_at_once) {
+            let rows = top * samples..(top + rows_at_once).min(height) * samples;
+            let mut band = Band::new(width * samples, rows, background);
+            if let Some(painter) = &painter {
+                painter.paint(&mut band);
+            }
+            shrink(band.samples(), width, samples, &gamma, &mut pixels);
+        }
+        Ok(Self { width: style.width, height: style.height, pixels })
+    }
+
+    /// Pixels across.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Pixels down.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Red, green, blue of every pixel, row by row from the top left: `height × width × 3`.
+    pub fn pixels(&self) -> &[u8] {
+        &self.pixels
+    }
+
+    /// Red, green, blue of the pixel `x` from the left and `y` from the top; none outside.
+    pub fn pixel(&self, x: u32, y: u32) -> Option<[u8; 3]> {
+        if x >= self.width || y >= self.height {
+            return None;
+        }
+        let start = (y as usize * self.width as usize + x as usize) * 3;
+        Some([self.pixels[start], self.pixels[start + 1], self.pixels[start + 2]])
+    }
+
+    /// Write the picture as a PNG file.
+    ///
+    /// # Errors
+    /// [`Error::Png`] when the writer fails.
+    pub fn write_png<W: Write>(&self, writer: W) -> Result<(), Error> {
+        let mut encoder = png::Encoder::new(writer, self.width, self.height);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(&self.pixels)?;
+        writer.finish()?;
+        Ok(())
+    }
+}
+
+/// Means of `samples × samples` samples in linear light, appended as sRGB pixels.
+fn shrink(band: &[Sample], width: usize, samples: usize, gamma: &Gamma, pixels: &mut Vec<u8>) {
+    let row = width * samples;
+    let count = (samples * samples) as u32;
+    for rows in band.chunks_exact(row * samples) {
+        for x in 0..width {
+            let mut sum = [0u32; 3];
+            for line in rows.chunks_exact(row) {
+                for sample in &line[x * samples..(x + 1) * samples] {
+                    sum = std::array::from_fn(|i| sum[i] + u32::from(sample[i]));
+                }
+            }
+            pixels.extend(gamma.colour(sum.map(|part| ((part + count / 2) / count) as u16)));
+        }
+    }
+}
