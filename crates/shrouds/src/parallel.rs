@@ -38,13 +38,24 @@ pub(crate) fn sum(count: usize, f: impl Fn(usize) -> f64 + Sync) -> f64 {
 
 /// `f(i, &mut values[i])` for every entry.
 pub(crate) fn update<T: Send>(values: &mut [T], f: impl Fn(usize, &mut T) + Sync) {
+    update_sum(values, |i, value| {
+        f(i, value);
+        0.0
+    });
+}
+
+/// `f(i, &mut values[i])` for every entry; the sum of what it returns, always in the same order.
+pub(crate) fn update_sum<T: Send>(
+    values: &mut [T],
+    f: impl Fn(usize, &mut T) -> f64 + Sync,
+) -> f64 {
     let update_block = |(block, part): (usize, &mut [T])| {
-        for (offset, value) in part.iter_mut().enumerate() {
-            f(block * BLOCK + offset, value);
-        }
+        let first = block * BLOCK;
+        part.iter_mut().enumerate().map(|(n, value)| f(first + n, value)).sum::<f64>()
     };
     #[cfg(feature = "parallel")]
-    values.par_chunks_mut(BLOCK).enumerate().for_each(update_block);
+    let sums: Vec<f64> = values.par_chunks_mut(BLOCK).enumerate().map(update_block).collect();
     #[cfg(not(feature = "parallel"))]
-    values.chunks_mut(BLOCK).enumerate().for_each(update_block);
+    let sums: Vec<f64> = values.chunks_mut(BLOCK).enumerate().map(update_block).collect();
+    sums.into_iter().sum()
 }

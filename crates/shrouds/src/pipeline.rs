@@ -80,9 +80,8 @@ pub fn shroud_observed(
         return Err(Error::Setting { name: "border", value, range: "closed for a dual mesh" });
     }
     let mut times = Times::default();
-    let surface = timed(&mut times.surface, || {
-        Surface::extract(volume, settings.faces, settings.border)
-    })?;
+    let surface =
+        timed(&mut times.surface, || Surface::extract(volume, settings.faces, settings.border))?;
     let network = timed(&mut times.network, || Network::trace(&surface));
     let (delta, report) = timed(&mut times.optimize, || {
         optimize(volume, &surface, &network, &settings.optimize, observer)

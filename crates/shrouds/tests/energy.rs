@@ -1,7 +1,7 @@
 //! The energies against formulas: derivatives, circles, lines, and how they scale.
 
 use proptest::prelude::*;
-use shrouds::energy::{Bending, CurveEnergy, Curvature, Linear, Parameter, Point2, Stencil};
+use shrouds::energy::{Bending, Curvature, CurveEnergy, Linear, Parameter, Point2, Stencil};
 
 const PARAMETERS: [Parameter; 3] = [Parameter::Uniform, Parameter::Chord, Parameter::Centripetal];
 
@@ -19,9 +19,8 @@ fn energies() -> Vec<(String, Box<dyn CurveEnergy>, i32)> {
 /// Three vertices no two of which are closer than the margin of δ allows.
 fn three_points() -> impl Strategy<Value = [Point2; 3]> {
     let step = || (0.05..1.5f64, -3.1..3.1f64).prop_map(|(l, a)| [l * a.cos(), l * a.sin()]);
-    (-5.0..5.0f64, -5.0..5.0f64, step(), step()).prop_map(|(x, y, a, b)| {
-        [[x, y], [x + a[0], y + a[1]], [x + a[0] + b[0], y + a[1] + b[1]]]
-    })
+    (-5.0..5.0f64, -5.0..5.0f64, step(), step())
+        .prop_map(|(x, y, a, b)| [[x, y], [x + a[0], y + a[1]], [x + a[0] + b[0], y + a[1] + b[1]]])
 }
 
 fn close(a: f64, b: f64, tolerance: f64) -> bool {

@@ -4,9 +4,9 @@ mod common;
 
 use common::{CONVENTIONS, volumes};
 use proptest::prelude::*;
+use shrouds::Occupancy;
 use shrouds::network::Network;
 use shrouds::surface::{Border, Surface};
-use shrouds::Occupancy;
 
 /// Grid edges with ends on different sides, counted point by point.
 fn count_crossings(volume: &Occupancy, border: Border) -> usize {

@@ -69,9 +69,7 @@ pub(super) fn mesh(
 
 /// Adds the mean of some vertices of the surface as a vertex of the dual.
 fn push_mean(mesh: &mut TriMesh, of: &[u32], positions: &[Vector], normals: &[Vector]) {
-    let sum = |values: &[Vector]| {
-        of.iter().fold([0.0; 3], |sum, &v| add(sum, values[v as usize]))
-    };
+    let sum = |values: &[Vector]| of.iter().fold([0.0; 3], |sum, &v| add(sum, values[v as usize]));
     mesh.vertices.push(scale(sum(positions), 1.0 / of.len() as f64));
     mesh.normals.push(unit(sum(normals)));
 }

@@ -25,8 +25,7 @@ impl TheoremReport {
     /// Whether Theorem 1 holds: every vertex is on exactly two curves, has valence four except where
     /// the volume ends, and the curves are planar and consistent.
     pub fn holds(&self) -> bool {
-        self.on_two_curves == self.vertices
-            && self.missing + self.asymmetric + self.off_plane == 0
+        self.on_two_curves == self.vertices && self.missing + self.asymmetric + self.off_plane == 0
     }
 }
 

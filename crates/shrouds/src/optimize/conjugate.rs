@@ -18,38 +18,41 @@ pub(super) struct Effort {
     pub(super) reduction: f64,
 }
 
+/// What conjugate gradients keep of one vertex.
+#[derive(Clone, Copy, Default)]
+struct State {
+    step: f64,
+    residual: f64,
+    /// The matrix times the direction.
+    image: f64,
+    /// Inverse of the damped diagonal; 0 for a fixed vertex.
+    inverse: f64,
+}
+
 /// Working vectors, kept between steps.
 pub(super) struct Workspace {
-    pub(super) step: Vec<f64>,
-    residual: Vec<f64>,
+    states: Vec<State>,
     direction: Vec<f64>,
-    image: Vec<f64>,
-    /// Inverse of the damped diagonal; 0 for a fixed vertex.
-    inverse: Vec<f64>,
 }
 
 impl Workspace {
     pub(super) fn new(count: usize) -> Self {
-        let zeros = || vec![0.0; count];
-        Self {
-            step: zeros(),
-            residual: zeros(),
-            direction: zeros(),
-            image: zeros(),
-            inverse: zeros(),
-        }
+        Self { states: vec![State::default(); count], direction: vec![0.0; count] }
     }
 
-    /// Minimises the model over steps within the room, approximately. `self.step` is the result.
+    /// The step of vertex `v` that the last call of [`Workspace::solve`] found.
+    pub(super) fn step(&self, v: usize) -> f64 {
+        self.states[v].step
+    }
+
+    /// Minimises the model over steps within the room, approximately.
     ///
     /// Long runs of conjugate gradients leave the box along its almost flat valleys, and cutting the
     /// step at the end would spoil it; so it is cut after every short segment, the vertices that were
     /// cut stay where they are, and the next segment starts from the corrected residual.
     pub(super) fn solve(&mut self, model: &Model, room: &Room, damping: f64, effort: &Effort) {
-        self.start(model, room, damping);
-        let first = self.norm_squared();
-        let goal = first * effort.reduction * effort.reduction;
-        let mut norm = first;
+        let mut norm = self.start(model, room, damping);
+        let goal = norm * effort.reduction * effort.reduction;
         for segment in 0..effort.segments {
             if norm <= goal {
                 return;
@@ -57,28 +60,30 @@ impl Workspace {
             norm = self.segment(model, damping, effort.segment, norm, goal);
             let cut = self.cut_to(room);
             if cut && segment + 1 < effort.segments {
-                self.recompute_residual(model, damping);
-                norm = self.norm_squared();
+                norm = self.recompute_residual(model, damping);
             }
         }
     }
 
-    fn start(&mut self, model: &Model, room: &Room, damping: f64) {
-        self.step.fill(0.0);
-        parallel::fill(&mut self.inverse, |v| {
+    /// Starts from no step at all. Returns the squared norm of the residual in the metric of the
+    /// preconditioner, as the functions below do.
+    fn start(&mut self, model: &Model, room: &Room, damping: f64) -> f64 {
+        parallel::update_sum(&mut self.states, |v, state| {
             let gradient = model.gradient(v);
-            let held = (room.low[v] >= 0.0 && gradient > 0.0)
-                || (room.high[v] <= 0.0 && gradient < 0.0);
+            let held =
+                (room.low[v] >= 0.0 && gradient > 0.0) || (room.high[v] <= 0.0 && gradient < 0.0);
             let diagonal = model.diagonal(v) * (1.0 + damping);
-            if held || diagonal <= 0.0 { 0.0 } else { 1.0 / diagonal }
-        });
-        let inverse = &self.inverse;
-        parallel::fill(&mut self.residual, |v| {
-            if inverse[v] == 0.0 { 0.0 } else { -model.gradient(v) }
-        });
+            let free = !held && diagonal > 0.0;
+            *state = State::default();
+            if free {
+                state.inverse = 1.0 / diagonal;
+                state.residual = -gradient;
+            }
+            state.residual * state.residual * state.inverse
+        })
     }
 
-    /// Conjugate gradients from the current residual; returns its new squared norm.
+    /// Conjugate gradients from the current residual.
     fn segment(
         &mut self,
         model: &Model,
@@ -87,64 +92,59 @@ impl Workspace {
         mut norm: f64,
         goal: f64,
     ) -> f64 {
-        let (residual, inverse) = (&self.residual, &self.inverse);
-        parallel::fill(&mut self.direction, |v| inverse[v] * residual[v]);
+        let states = &self.states;
+        parallel::fill(&mut self.direction, |v| states[v].inverse * states[v].residual);
         for _ in 0..iterations {
             let direction = &self.direction;
-            let inverse = &self.inverse;
-            parallel::fill(&mut self.image, |v| {
-                if inverse[v] == 0.0 { 0.0 } else { model.product(v, direction, damping) }
+            let curvature = parallel::update_sum(&mut self.states, |v, state| {
+                let free = state.inverse > 0.0;
+                state.image = if free { model.product(v, direction, damping) } else { 0.0 };
+                state.image * direction[v]
             });
-            let image = &self.image;
-            let curvature = parallel::sum(image.len(), |v| image[v] * direction[v]);
             if curvature <= 0.0 {
                 break;
             }
             let length = norm / curvature;
-            parallel::update(&mut self.step, |v, s| *s += length * direction[v]);
-            parallel::update(&mut self.residual, |v, r| *r -= length * image[v]);
-            let next = self.norm_squared();
+            let next = parallel::update_sum(&mut self.states, |v, state| {
+                state.step += length * direction[v];
+                state.residual -= length * state.image;
+                state.residual * state.residual * state.inverse
+            });
             let ratio = next / norm;
             norm = next;
             if norm <= goal {
                 break;
             }
-            let (residual, inverse) = (&self.residual, &self.inverse);
-            parallel::update(&mut self.direction, |v, d| {
-                *d = inverse[v] * residual[v] + ratio * *d;
+            let states = &self.states;
+            parallel::update(&mut self.direction, |v, direction| {
+                *direction = states[v].inverse * states[v].residual + ratio * *direction;
             });
         }
         norm
     }
 
-    /// Squared norm of the residual in the metric of the preconditioner.
-    fn norm_squared(&self) -> f64 {
-        let (residual, inverse) = (&self.residual, &self.inverse);
-        parallel::sum(residual.len(), |v| residual[v] * residual[v] * inverse[v])
-    }
-
     /// Cuts the step to the room and fixes the vertices that were cut; whether there were any.
     fn cut_to(&mut self, room: &Room) -> bool {
-        let mut any = false;
-        for (v, step) in self.step.iter_mut().enumerate() {
-            let cut = step.clamp(room.low[v], room.high[v]);
-            if cut != *step {
-                *step = cut;
-                self.inverse[v] = 0.0;
-                any = true;
+        let cuts = parallel::update_sum(&mut self.states, |v, state| {
+            let cut = state.step.clamp(room.low[v], room.high[v]);
+            if cut == state.step {
+                return 0.0;
             }
-        }
-        any
+            *state = State { step: cut, ..State::default() };
+            1.0
+        });
+        cuts > 0.0
     }
 
-    fn recompute_residual(&mut self, model: &Model, damping: f64) {
-        let (step, inverse) = (&self.step, &self.inverse);
-        parallel::fill(&mut self.residual, |v| {
-            if inverse[v] == 0.0 {
-                0.0
-            } else {
-                -model.gradient(v) - model.product(v, step, damping)
+    fn recompute_residual(&mut self, model: &Model, damping: f64) -> f64 {
+        let states = &self.states;
+        parallel::fill(&mut self.direction, |v| states[v].step);
+        let step = &self.direction;
+        parallel::update_sum(&mut self.states, |v, state| {
+            if state.inverse > 0.0 {
+                state.residual = -model.gradient(v) - model.product(v, step, damping);
             }
-        });
+            state.residual * state.residual * state.inverse
+        })
     }
 }

@@ -45,7 +45,7 @@ pub fn optimize(
     let bounds = [settings.margin, 1.0 - settings.margin];
     x.iter_mut().for_each(|x| *x = x.clamp(bounds[0], bounds[1]));
     let first = x.clone();
-    let mut problem = Problem::new(surface.grid(), network, settings.energy.as_ref(), bounds);
+    let mut problem = Problem::new(surface, network, settings.energy.as_ref(), bounds);
     let rounds = match settings.solver {
         _ if x.is_empty() => Vec::new(),
         Solver::Newton => newton::solve(&mut problem, &mut x, settings, observer),

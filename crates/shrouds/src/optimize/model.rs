@@ -1,15 +1,18 @@
 //! The energy around a state to second order, as one sparse row per vertex.
 
-use crate::optimize::problem::{Problem, Quadratic};
+use crate::optimize::problem::{Problem, Quadratic, Univariate};
 use crate::parallel;
 
 /// Row of the Gauss–Newton matrix of one vertex: its coupling to itself and, in each of its four
 /// slots, to the vertices one and two steps away.
+///
+/// In single precision: the matrix only shapes the steps, and where they end is decided by the
+/// gradient.
 #[derive(Clone, Copy, Default)]
 struct Row {
-    diagonal: f64,
-    near: [f64; 4],
-    far: [f64; 4],
+    diagonal: f32,
+    near: [f32; 4],
+    far: [f32; 4],
 }
 
 /// Gradient and Gauss–Newton matrix of the energy.
@@ -17,7 +20,8 @@ pub(super) struct Model {
     near: Vec<[u32; 4]>,
     far: Vec<[u32; 4]>,
     terms: Vec<[Quadratic; 2]>,
-    rows: Vec<(f64, Row)>,
+    gradient: Vec<f64>,
+    rows: Vec<Row>,
 }
 
 impl Model {
@@ -39,6 +43,7 @@ impl Model {
             near,
             far,
             terms: vec![Default::default(); count],
+            gradient: vec![0.0; count],
             rows: vec![Default::default(); count],
         }
     }
@@ -48,49 +53,64 @@ impl Model {
         let terms = &mut self.terms;
         parallel::fill(terms, |v| [0, 1].map(|c| problem.term(x, v as u32, c)));
         let terms = &self.terms;
-        parallel::fill(&mut self.rows, |v| {
-            let barrier = problem.barrier(x[v]);
-            let (mut gradient, mut row) = (barrier.slope, Row::default());
-            row.diagonal = barrier.curvature;
-            for (c, term) in terms[v].iter().enumerate() {
-                gradient += term.gradient[1];
-                row.diagonal += term.hessian[1][1];
-                row.near[2 * c] += term.hessian[1][0];
-                row.near[2 * c + 1] += term.hessian[1][2];
-            }
-            for slot in 0..4 {
-                let Some((u, link)) = problem.network.neighbour(v as u32, slot) else { continue };
-                // In the neighbour's stencil this vertex is the first or the last of three.
-                let back = link.back_slot(slot);
-                let term = &terms[u as usize][back / 2];
-                let place = 2 * (back % 2);
-                gradient += term.gradient[place];
-                row.diagonal += term.hessian[place][place];
-                row.near[slot] += term.hessian[place][1];
-                row.far[slot] += term.hessian[place][2 - place];
-            }
-            (gradient, row)
-        });
+        let gradient_at = |v: usize| {
+            let own: f64 = terms[v].iter().map(|term| term.gradient[1]).sum();
+            let neighbours: f64 = beside(problem, terms, v).map(|(_, t, n)| t.gradient[n]).sum();
+            problem.barrier_slope(x[v]).slope + own + neighbours
+        };
+        parallel::fill(&mut self.gradient, gradient_at);
+        parallel::fill(&mut self.rows, |v| row_at(problem, terms, v, problem.barrier_slope(x[v])));
     }
 
     pub(super) fn gradient(&self, v: usize) -> f64 {
-        self.rows[v].0
+        self.gradient[v]
     }
 
     pub(super) fn diagonal(&self, v: usize) -> f64 {
-        self.rows[v].1.diagonal
+        f64::from(self.rows[v].diagonal)
     }
 
     /// Entry `v` of the product of the matrix, its diagonal raised by the factor `1 + damping`, with
     /// a vector.
     pub(super) fn product(&self, v: usize, vector: &[f64], damping: f64) -> f64 {
-        let row = &self.rows[v].1;
+        let row = &self.rows[v];
         let (near, far) = (&self.near[v], &self.far[v]);
-        let mut sum = row.diagonal * (1.0 + damping) * vector[v];
+        let mut sum = f64::from(row.diagonal) * (1.0 + damping) * vector[v];
         for slot in 0..4 {
-            sum += row.near[slot] * vector[near[slot] as usize];
-            sum += row.far[slot] * vector[far[slot] as usize];
+            sum += f64::from(row.near[slot]) * vector[near[slot] as usize];
+            sum += f64::from(row.far[slot]) * vector[far[slot] as usize];
         }
         sum
     }
+}
+
+/// The terms of the neighbours of `v` in which it takes part, with the slot of the neighbour and the
+/// place of `v` in the neighbour's stencil: the first or the last of three.
+fn beside<'a>(
+    problem: &'a Problem,
+    terms: &'a [[Quadratic; 2]],
+    v: usize,
+) -> impl Iterator<Item = (usize, &'a Quadratic, usize)> {
+    (0..4).filter_map(move |slot| {
+        let (u, link) = problem.network.neighbour(v as u32, slot)?;
+        let back = link.back_slot(slot);
+        Some((slot, &terms[u as usize][back / 2], 2 * (back % 2)))
+    })
+}
+
+fn row_at(problem: &Problem, terms: &[[Quadratic; 2]], v: usize, barrier: Univariate) -> Row {
+    let mut diagonal = barrier.curvature;
+    let (mut near, mut far) = ([0.0; 4], [0.0; 4]);
+    for (c, term) in terms[v].iter().enumerate() {
+        diagonal += term.hessian[1][1];
+        near[2 * c] += term.hessian[1][0];
+        near[2 * c + 1] += term.hessian[1][2];
+    }
+    for (slot, term, place) in beside(problem, terms, v) {
+        diagonal += term.hessian[place][place];
+        near[slot] += term.hessian[place][1];
+        far[slot] += term.hessian[place][2 - place];
+    }
+    let single = |values: [f64; 4]| values.map(|x| x as f32);
+    Row { diagonal: diagonal as f32, near: single(near), far: single(far) }
 }

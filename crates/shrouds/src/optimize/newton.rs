@@ -15,6 +15,8 @@ const EARLY_STEPS: usize = 4;
 /// Chords below this part of the smallest spacing get a repair: there the linearised energy, whose
 /// derivatives grow with the inverse of the length, is worth little.
 const SHORT_CHORD: f64 = 0.2;
+/// A curve that turns so much that this is above the cosine may sit in a local minimum of one vertex.
+const SHARP_TURN: f64 = 0.3;
 /// With a barrier a step covers at most this part of the way to a bound.
 const MOST_OF_THE_WAY: f64 = 0.95;
 
@@ -70,7 +72,6 @@ impl Newton {
             self.model.linearise(problem, x);
             let change = Stationarity::of(&self.model, x, problem.bounds).step_rms();
             let progress = Progress { iteration: done + step, energy, change, tolerance };
-            if std::env::var("LAB").is_ok() { eprintln!("  {step} E {energy:.8} rms {change:.3e} damping {:.1e}", self.damping); }
             if observer(progress).is_break() {
                 round.status = Status::Cancelled;
                 break;
@@ -99,13 +100,13 @@ impl Newton {
     fn step(&mut self, problem: &Problem, x: &mut Vec<f64>, energy: f64) -> Option<f64> {
         const ATTEMPTS: usize = 12;
         let room = room(problem, x);
-        let effort = Effort { segment: 25, segments: 4, reduction: 1e-2 };
+        const EFFORT: Effort = Effort { segment: 25, segments: 4, reduction: 1e-2 };
         for _ in 0..ATTEMPTS {
-            self.workspace.solve(&self.model, &room, self.damping, &effort);
+            self.workspace.solve(&self.model, &room, self.damping, &EFFORT);
             let mut trial = vec![0.0; x.len()];
-            let step = &self.workspace.step;
+            let workspace = &self.workspace;
             let [low, high] = problem.bounds;
-            parallel::fill(&mut trial, |v| (x[v] + step[v]).clamp(low, high));
+            parallel::fill(&mut trial, |v| (x[v] + workspace.step(v)).clamp(low, high));
             repair(problem, &mut trial);
             let lower = problem.value(&trial);
             if lower < energy {
@@ -129,14 +130,20 @@ fn room(problem: &Problem, x: &[f64]) -> Room {
     room
 }
 
-/// One univariate step on every vertex with a very short chord, in order.
+/// One univariate step on every vertex with a very short chord, and a scan of the grid edge of every
+/// vertex where a curve turns sharply, in order.
 fn repair(problem: &Problem, x: &mut [f64]) {
-    let shortest = SHORT_CHORD * SHORT_CHORD;
     let lists = parallel::blocks(x.len(), 4096, |range| {
-        let short = |v: &u32| problem.shortest_chord_squared(x, *v) < shortest;
-        (range.start as u32..range.end as u32).filter(short).collect::<Vec<_>>()
+        let shape = |v: u32| (v, problem.shape_at(x, v));
+        let bad = |&(_, (chord, cosine)): &(u32, (f64, f64))| {
+            chord < SHORT_CHORD * SHORT_CHORD || cosine < SHARP_TURN
+        };
+        (range.start as u32..range.end as u32).map(shape).filter(bad).collect::<Vec<_>>()
     });
-    for v in lists.concat() {
+    for (v, (_, cosine)) in lists.concat() {
+        if cosine < SHARP_TURN {
+            univariate::scan(problem, x, v);
+        }
         univariate::step(problem, x, v);
     }
 }

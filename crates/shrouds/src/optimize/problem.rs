@@ -1,10 +1,10 @@
 //! The energy of all planar curves as a function of the positions along the grid edges.
 
 use crate::energy::{CurveEnergy, Point2, Stencil};
-use crate::grid::Grid;
 use crate::network::{Link, Network};
 use crate::parallel;
-use crate::vector::tangent;
+use crate::surface::Surface;
+use crate::vector::{Vector, add, cross, dot, subtract};
 
 /// Largest barrier strength, and the least weight factor `1 − n_p²`.
 const BARRIER_CAP: f64 = 0.01;
@@ -13,6 +13,7 @@ const LEAST_WEIGHT: f64 = 1e-4;
 /// The function to minimise. Weights and barrier depend on the surface; they are frozen while
 /// solving and refreshed by [`Problem::freeze`]. Lengths are in units of the smallest spacing.
 pub(super) struct Problem<'a> {
+    surface: &'a Surface,
     pub(super) network: &'a Network,
     energy: &'a dyn CurveEnergy,
     spacing: [f64; 3],
@@ -26,7 +27,6 @@ pub(super) struct Problem<'a> {
 /// A function of the three vertices of a stencil to second order (Gauss–Newton).
 #[derive(Clone, Copy, Default)]
 pub(super) struct Quadratic {
-    pub(super) value: f64,
     pub(super) gradient: [f64; 3],
     pub(super) hessian: [[f64; 3]; 3],
 }
@@ -34,7 +34,6 @@ pub(super) struct Quadratic {
 /// A function of one position to second order.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Univariate {
-    pub(super) value: f64,
     pub(super) slope: f64,
     pub(super) curvature: f64,
 }
@@ -42,15 +41,15 @@ pub(super) struct Univariate {
 impl<'a> Problem<'a> {
     /// The problem with weights as if every slice cut the surface at a right angle, and no barrier.
     pub(super) fn new(
-        grid: &Grid,
+        surface: &'a Surface,
         network: &'a Network,
         energy: &'a dyn CurveEnergy,
         bounds: [f64; 2],
     ) -> Self {
+        let grid = surface.grid();
         let spacing = grid.spacing().map(|h| h / grid.min_spacing());
-        let mut problem =
-            Self { network, energy, spacing, bounds, weights: Vec::new(), barrier: 0.0 };
-        problem.weights = vec![[0.0; 2]; network.vertex_count()];
+        let weights = vec![[0.0; 2]; network.vertex_count()];
+        let mut problem = Self { surface, network, energy, spacing, bounds, weights, barrier: 0.0 };
         problem.set_weights(|_| [1.0; 2]);
         problem
     }
@@ -69,10 +68,14 @@ impl<'a> Problem<'a> {
         let exponent = self.energy.meusnier_exponent();
         if exponent != 0.0 {
             let network = self.network;
-            let spacing = self.spacing;
+            let normals = patch_normals(self.surface, self.spacing, x);
             self.set_weights(|v| {
-                sines_squared(network, spacing, x, v)
-                    .map(|s| s.max(LEAST_WEIGHT).powf(0.5 * exponent))
+                let normal = normals[v as usize];
+                let squared = dot(normal, normal).max(f64::MIN_POSITIVE);
+                [0, 1].map(|c| {
+                    let along = normal[network.curve_axes(v, c).0];
+                    (1.0 - along * along / squared).max(LEAST_WEIGHT).powf(0.5 * exponent)
+                })
             });
         }
         let strength = self.energy.barrier();
@@ -101,11 +104,8 @@ impl<'a> Problem<'a> {
     /// The energy at `x`, barrier included.
     pub(super) fn value(&self, x: &[f64]) -> f64 {
         parallel::sum(x.len(), |v| {
-            let rho = |c: usize| match self.weights[v][c] {
-                0.0 => 0.0,
-                w => w * self.energy.rho(&self.stencil(x, v as u32, c).0.points),
-            };
-            rho(0) + rho(1) + self.barrier(x[v]).value
+            let [a, b] = [0, 1].map(|c| self.rho(x, v as u32, c));
+            a + b + self.barrier(x[v])
         })
     }
 
@@ -123,7 +123,6 @@ impl<'a> Problem<'a> {
             for (s, length) in slope.iter_mut().zip(edge_lengths) {
                 *s *= length;
             }
-            quadratic.value += weight * residual * residual;
             for i in 0..3 {
                 quadratic.gradient[i] += 2.0 * weight * residual * slope[i];
                 for j in 0..3 {
@@ -134,14 +133,15 @@ impl<'a> Problem<'a> {
         quadratic
     }
 
-    /// The barrier of one vertex.
-    pub(super) fn barrier(&self, x: f64) -> Univariate {
-        if self.barrier == 0.0 {
-            return Univariate::default();
-        }
+    /// The barrier at one position.
+    pub(super) fn barrier(&self, x: f64) -> f64 {
+        if self.barrier == 0.0 { 0.0 } else { -self.barrier * (4.0 * x * (1.0 - x)).ln() }
+    }
+
+    /// Slope and curvature of the barrier at one position.
+    pub(super) fn barrier_slope(&self, x: f64) -> Univariate {
         let (low, high) = (1.0 / x, 1.0 / (1.0 - x));
         Univariate {
-            value: -self.barrier * (4.0 * x * (1.0 - x)).ln(),
             slope: self.barrier * (high - low),
             curvature: self.barrier * (low * low + high * high),
         }
@@ -152,11 +152,10 @@ impl<'a> Problem<'a> {
         self.barrier > 0.0
     }
 
-    /// Everything in the energy that depends on the position of vertex `v`.
-    pub(super) fn around(&self, x: &[f64], v: u32) -> Univariate {
-        let mut sum = self.barrier(x[v as usize]);
+    /// Slope and curvature of the energy in the position of vertex `v`.
+    pub(super) fn slope_around(&self, x: &[f64], v: u32) -> Univariate {
+        let mut sum = self.barrier_slope(x[v as usize]);
         let mut add = |term: Quadratic, place: usize| {
-            sum.value += term.value;
             sum.slope += term.gradient[place];
             sum.curvature += term.hessian[place][place];
         };
@@ -172,13 +171,36 @@ impl<'a> Problem<'a> {
         sum
     }
 
-    /// Smallest squared length of the chords at vertex `v`.
-    pub(super) fn shortest_chord_squared(&self, x: &[f64], v: u32) -> f64 {
-        let own = x[v as usize] * self.spacing[self.network.axis(v)];
-        (0..4)
-            .filter_map(|slot| neighbour_point(self.network, self.spacing, x, v, slot))
-            .map(|(p, _, _)| (p[0] - own).powi(2) + p[1] * p[1])
-            .fold(f64::INFINITY, f64::min)
+    /// The part of the energy that depends on the position of vertex `v`.
+    pub(super) fn value_around(&self, x: &[f64], v: u32) -> f64 {
+        let beside = |slot: usize| match self.network.neighbour(v, slot) {
+            Some((u, link)) => self.rho(x, u, link.back_slot(slot) / 2),
+            None => 0.0,
+        };
+        let neighbours: f64 = (0..4).map(beside).sum();
+        self.rho(x, v, 0) + self.rho(x, v, 1) + neighbours + self.barrier(x[v as usize])
+    }
+
+    /// Weighted ρ of vertex `v` on its curve `c`.
+    fn rho(&self, x: &[f64], v: u32, c: usize) -> f64 {
+        match self.weights[v as usize][c] {
+            0.0 => 0.0,
+            weight => weight * self.energy.rho(&self.stencil(x, v, c).0.points),
+        }
+    }
+
+    /// Smallest squared length of the chords at vertex `v`, and the least cosine of the turning of its
+    /// curves there.
+    pub(super) fn shape_at(&self, x: &[f64], v: u32) -> (f64, f64) {
+        let (mut shortest, mut least_cosine) = (f64::INFINITY, 1f64);
+        for c in (0..2).filter(|&c| self.weights[v as usize][c] > 0.0) {
+            let [a, b, c] = self.stencil(x, v, c).0.points;
+            let (before, after) = (subtract(b, a), subtract(c, b));
+            let (l0, l1) = (dot(before, before), dot(after, after));
+            shortest = shortest.min(l0).min(l1);
+            least_cosine = least_cosine.min(dot(before, after) / (l0 * l1).sqrt());
+        }
+        (shortest, least_cosine)
     }
 
     /// The vertices around `v` on curve `c`, in the coordinates (along the grid edge of `v`, across
@@ -213,21 +235,24 @@ fn neighbour_point(
     })
 }
 
-/// `1 − n_p²` for the planes of both curves of vertex `v`, `n` being the cross product of the
-/// curves' tangents.
-fn sines_squared(network: &Network, spacing: [f64; 3], x: &[f64], v: u32) -> [f64; 2] {
-    let own = [x[v as usize] * spacing[network.axis(v)], 0.0];
-    let [a, b] = [0, 1].map(|c| {
-        let chord_to = |slot, sign: f64| {
-            neighbour_point(network, spacing, x, v, slot)
-                .map(|(p, _, _)| [sign * (p[0] - own[0]), sign * (p[1] - own[1])])
-        };
-        // A curve of one vertex has no direction; its weight is 0 anyway.
-        tangent(chord_to(2 * c, -1.0), chord_to(2 * c + 1, 1.0)).unwrap_or([0.0, 1.0])
-    });
-    // In the frame (along the grid edge, across on curve 0, across on curve 1).
-    let normal = [a[1] * b[1], -a[0] * b[1], -a[1] * b[0]];
-    let squared = normal.map(|n| n * n);
-    let length = squared.iter().sum::<f64>();
-    [(squared[0] + squared[1]) / length, (squared[0] + squared[2]) / length]
+/// Normal of the surface at every vertex, of any length: the sum of the area vectors of its patches.
+fn patch_normals(surface: &Surface, spacing: [f64; 3], x: &[f64]) -> Vec<Vector> {
+    let position = |v: u32| {
+        let crossing = surface.crossings()[v as usize];
+        let mut point = crossing.low().map(|i| i as f64);
+        point[crossing.axis()] += x[v as usize];
+        std::array::from_fn(|k| point[k] * spacing[k])
+    };
+    let mut normals = vec![[0.0; 3]; x.len()];
+    for (patch, _) in surface.patches() {
+        let origin = position(patch[0]);
+        let fan = patch[1..].windows(2).fold([0.0; 3], |sum, pair| {
+            let [a, b] = [pair[0], pair[1]].map(|v| subtract(position(v), origin));
+            add(sum, cross(a, b))
+        });
+        for &v in patch {
+            normals[v as usize] = add(normals[v as usize], fan);
+        }
+    }
+    normals
 }

@@ -80,9 +80,8 @@ impl Settings {
     }
 
     pub(super) fn validate(&self) -> Result<(), Error> {
-        let refuse = |name, value: f64, range| {
-            Err(Error::Setting { name, value: value.to_string(), range })
-        };
+        let refuse =
+            |name, value: f64, range| Err(Error::Setting { name, value: value.to_string(), range });
         if !(1e-6..=0.1).contains(&self.margin) {
             return refuse("margin", self.margin, "between 1e-6 and 0.1");
         }

@@ -65,8 +65,7 @@ fn window(volume: &Occupancy, border: Border, i: isize, [j, k]: [isize; 2]) -> u
     if border == Border::Closed && !(within(j, 1) && within(k, 2)) {
         return 0;
     }
-    let row =
-        volume.row(j.clamp(0, dims[1] - 1) as usize, k.clamp(0, dims[2] - 1) as usize);
+    let row = volume.row(j.clamp(0, dims[1] - 1) as usize, k.clamp(0, dims[2] - 1) as usize);
     (0..5).fold(0, |bits, n| {
         let p = i + n;
         let inside = match border {

@@ -9,14 +9,15 @@ const ATTEMPTS: usize = 4;
 /// Moves vertex `v` by one Newton step along its grid edge, shortened until the energy falls.
 /// Returns how far it moved: 0 when no attempt helped.
 pub(super) fn step(problem: &Problem, x: &mut [f64], v: u32) -> f64 {
-    let here = problem.around(x, v);
+    let here = problem.slope_around(x, v);
+    let value = problem.value_around(x, v);
     let old = x[v as usize];
     let [low, high] = problem.bounds;
     let mut length = -here.slope / here.curvature.max(f64::MIN_POSITIVE);
     for _ in 0..ATTEMPTS {
         let new = (old + length).clamp(low, high);
         x[v as usize] = new;
-        if new != old && problem.around(x, v).value < here.value {
+        if new != old && problem.value_around(x, v) < value {
             return new - old;
         }
         length = (new - old) * SHRINK;
@@ -25,13 +26,32 @@ pub(super) fn step(problem: &Problem, x: &mut [f64], v: u32) -> f64 {
     0.0
 }
 
-/// Moves vertex `v` to a minimum along its grid edge.
+/// Moves vertex `v` to the least energy along its whole grid edge: the best of a coarse scan, then
+/// Newton steps.
 pub(super) fn minimise(problem: &Problem, x: &mut [f64], v: u32) {
     const MOST_STEPS: usize = 50;
     const SMALLEST_STEP: f64 = 1e-12;
+    scan(problem, x, v);
     for _ in 0..MOST_STEPS {
         if step(problem, x, v).abs() <= SMALLEST_STEP {
             return;
         }
     }
+}
+
+/// Moves vertex `v` to the best of a few places spread over its grid edge, if one is better than
+/// where it is: the energy may have several minima along the edge.
+pub(super) fn scan(problem: &Problem, x: &mut [f64], v: u32) {
+    const PLACES: usize = 9;
+    let [low, high] = problem.bounds;
+    let mut best = (problem.value_around(x, v), x[v as usize]);
+    for n in 0..PLACES {
+        let place = low + (high - low) * (n as f64 + 0.5) / PLACES as f64;
+        x[v as usize] = place;
+        let value = problem.value_around(x, v);
+        if value < best.0 {
+            best = (value, place);
+        }
+    }
+    x[v as usize] = best.1;
 }

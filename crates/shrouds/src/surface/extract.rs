@@ -18,11 +18,7 @@ impl Surface {
     /// [`Error::TooManyVertices`] beyond [`Surface::MAX_VERTICES`]; [`Error::NoCells`] when an open
     /// border leaves no cell; [`Error::Dimensions`] when the padded grid of a closed border is too
     /// large.
-    pub fn extract(
-        volume: &Occupancy,
-        face_rule: FaceRule,
-        border: Border,
-    ) -> Result<Self, Error> {
+    pub fn extract(volume: &Occupancy, face_rule: FaceRule, border: Border) -> Result<Self, Error> {
         let padded;
         let volume = match border {
             Border::Closed => {
@@ -51,19 +47,20 @@ impl Surface {
 
 fn list_crossings(volume: &Occupancy, rows: &Rows) -> Vec<Crossing> {
     let [_, ny, nz] = volume.grid().dims();
-    let slices = parallel::blocks(nz, 1, |slice| {
-        let k = slice.start;
-        let mut crossings = Vec::new();
-        for (j, axis) in (0..ny).flat_map(|j| [(j, 0), (j, 1), (j, 2)]) {
-            for w in 0..rows.word_count() {
-                let inside = volume.row(j, k)[w];
-                crossings.extend(set_bits(rows.word(axis, j, k, w)).map(|bit| {
-                    Crossing::new([64 * w + bit, j, k], axis, inside >> bit & 1 == 1)
-                }));
+    let slices =
+        parallel::blocks(nz, 1, |slice| {
+            let k = slice.start;
+            let mut crossings = Vec::new();
+            for (j, axis) in (0..ny).flat_map(|j| [(j, 0), (j, 1), (j, 2)]) {
+                for w in 0..rows.word_count() {
+                    let inside = volume.row(j, k)[w];
+                    crossings.extend(set_bits(rows.word(axis, j, k, w)).map(|bit| {
+                        Crossing::new([64 * w + bit, j, k], axis, inside >> bit & 1 == 1)
+                    }));
+                }
             }
-        }
-        crossings
-    });
+            crossings
+        });
     slices.concat()
 }
 
@@ -107,16 +104,8 @@ struct CellRow<'a> {
 
 /// The rows of crossings around a row of cells, as `(axis, step in j, step in k)`. Those along y and
 /// z serve two cell edges each, at `i` and at `i + 1`.
-const STREAMS: [(usize, usize, usize); 8] = [
-    (0, 0, 0),
-    (0, 1, 0),
-    (0, 0, 1),
-    (0, 1, 1),
-    (1, 0, 0),
-    (1, 0, 1),
-    (2, 0, 0),
-    (2, 1, 0),
-];
+const STREAMS: [(usize, usize, usize); 8] =
+    [(0, 0, 0), (0, 1, 0), (0, 0, 1), (0, 1, 1), (1, 0, 0), (1, 0, 1), (2, 0, 0), (2, 1, 0)];
 
 /// For each cell edge its stream, and whether it lies at `i + 1`.
 const EDGE_STREAM: [(usize, usize); 12] = [
@@ -142,8 +131,7 @@ impl<'a> CellRow<'a> {
 
     fn patches(&self, table: &CellTable, patches: &mut Patches) {
         // Number of the first vertex of the current word in each stream.
-        let mut first =
-            STREAMS.map(|(axis, a, b)| self.rows.first(axis, self.j + a, self.k + b));
+        let mut first = STREAMS.map(|(axis, a, b)| self.rows.first(axis, self.j + a, self.k + b));
         for w in 0..self.rows.word_count() {
             let near = self.bits.map(|row| row[w]);
             let far = self.bits.map(|row| shifted(row, w));

@@ -65,7 +65,7 @@ impl Occupancy {
     /// a value is not a number: it would have no side.
     pub fn from_values<T: Voxel>(grid: Grid, values: &[T], select: &Select) -> Result<Self, Error> {
         let is_nan = |value: &T| value.as_f64().is_nan();
-        if let Some(first) = values.iter().position(|v| is_nan(v)) {
+        if let Some(first) = values.iter().position(is_nan) {
             let others = values[first + 1..].iter().filter(|v| is_nan(v)).count();
             let [nx, ny, _] = grid.dims();
             let voxel = [first % nx, first / nx % ny, first / nx / ny];
