@@ -8,8 +8,9 @@ use crate::optimize::settings::{Observer, Progress, Settings};
 use crate::optimize::univariate;
 use crate::parallel;
 
-/// How often weights and barrier are frozen anew, if the energy has any.
-const ROUNDS: usize = 3;
+/// The most often that weights and barrier are frozen anew, if the energy has any. They settle sooner:
+/// the rounds end with the first that finds nothing to do.
+const ROUNDS: usize = 6;
 /// Steps in all rounds but the last, which runs until the stop rule is satisfied.
 const EARLY_STEPS: usize = 4;
 /// Chords below this part of the smallest spacing get a repair: there the linearised energy, whose
@@ -37,7 +38,8 @@ pub(super) fn solve(
         let limit = if round + 1 < count { EARLY_STEPS.min(left) } else { left };
         rounds.push(solver.round(problem, x, settings, limit, done, observer));
         done += rounds[round].energies.len() - 1;
-        if rounds[round].status == Status::Cancelled {
+        let settled = rounds[round].energies.len() == 1;
+        if rounds[round].status == Status::Cancelled || settled {
             break;
         }
     }
