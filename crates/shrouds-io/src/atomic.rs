@@ -175,6 +175,8 @@ mod tests {
         write_atomically(at("link"), |w| w.write_all(b"2")).unwrap();
         assert!(fs::symlink_metadata(at("link")).unwrap().is_symlink());
         assert_eq!((fs::read(at("new")).unwrap(), mode("new")), (b"2".to_vec(), 0o640));
+        let unwritable = write_atomically("/proc/a.txt", |w| w.write_all(b"3"));
+        assert!(matches!(unwritable, Err(Error::Io { .. })) || !Path::new("/proc").is_dir());
         let null = write_atomically("/dev/null", |w| w.write_all(b"3"));
         assert!(matches!(null, Err(Error::Target { .. })));
     }

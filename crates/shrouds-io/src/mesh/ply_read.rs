@@ -48,7 +48,12 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<TriMesh, Error> {
         let advice = "check the extension, or write it again as .ply";
         return Err(Error::Content { path: path.into(), expected: "a PLY mesh", advice });
     }
-    parse(bytes).map_err(|problem| Error::mesh(path, problem))
+    parse(bytes).map_err(|mut problem| {
+        if !bytes.ends_with(b"\n") && problem.starts_with("it ends") {
+            problem.push_str(" (in a text file that is complete, the last line must end too)");
+        }
+        Error::mesh(path, problem)
+    })
 }
 
 fn parse(bytes: &[u8]) -> Result<TriMesh, String> {

@@ -76,8 +76,8 @@ pub struct VolumeOptions<'a> {
     /// Order of the axes of an NPY array; other formats name their axes. Default `[z, y, x]`.
     pub axes: Axes,
     /// Distance between lattice points along x, y, z. Given, it replaces the whole frame of the
-    /// file: first point at the origin, axes along those of the world. Default: what the file says;
-    /// 1 for NPY, which says nothing.
+    /// file but its unit: first point at the origin, axes along those of the world. Default: what
+    /// the file says; 1 for NPY, which says nothing.
     pub spacing: Option<[f64; 3]>,
     /// Called while the file is read, at least every few megabytes. Default: nothing.
     pub progress: Option<Progress<'a>>,

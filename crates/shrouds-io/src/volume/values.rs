@@ -9,7 +9,8 @@ use shrouds::{Grid, Occupancy, Select};
 const TABLE: std::ops::Range<i128> = -(1 << 15)..1 << 16;
 /// Most distinct labels that are listed.
 const MAX_LABELS: usize = 1 << 16;
-/// Edge of the squares in which axes are swapped: two of them fit the first cache.
+/// Edge of the squares in which axes are swapped: a row fills at least half a cache line, and a
+/// square of the widest type fits the first cache.
 const TILE: usize = 32;
 
 /// One value per lattice point, x fastest, in one of the types that files hold.
@@ -118,14 +119,20 @@ impl Values {
 
 fn reverse_axes<T: Copy + Default>(values: &[T], [nx, ny, nz]: [usize; 3]) -> Vec<T> {
     let mut reversed = vec![T::default(); values.len()];
-    for j in 0..ny {
-        for (i0, k0) in
-            (0..nx).step_by(TILE).flat_map(|i| (0..nz).step_by(TILE).map(move |k| (i, k)))
-        {
-            for k in k0..nz.min(k0 + TILE) {
-                for i in i0..nx.min(i0 + TILE) {
-                    reversed[(k * ny + j) * nx + i] = values[(i * ny + j) * nz + k];
-                }
+    // Through a tile, so that memory is read and written in whole cache lines: strides that are
+    // powers of two would throw a line out before its next value is used.
+    let mut tile = [[T::default(); TILE]; TILE];
+    let corners = (0..nx).step_by(TILE).flat_map(|i| (0..nz).step_by(TILE).map(move |k| (i, k)));
+    for (i0, k0, j) in corners.flat_map(|(i0, k0)| (0..ny).map(move |j| (i0, k0, j))) {
+        let (across, along) = (TILE.min(nx - i0), TILE.min(nz - k0));
+        for (i, row) in tile[..across].iter_mut().enumerate() {
+            let start = ((i0 + i) * ny + j) * nz + k0;
+            row[..along].copy_from_slice(&values[start..start + along]);
+        }
+        for k in 0..along {
+            let start = ((k0 + k) * ny + j) * nx + i0;
+            for (value, row) in reversed[start..start + across].iter_mut().zip(&tile) {
+                *value = row[k];
             }
         }
     }
