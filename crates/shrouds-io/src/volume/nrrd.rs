@@ -82,8 +82,9 @@ fn field<'f>(path: &Path, fields: &'f Fields, name: &str) -> Result<&'f str, Err
 
 fn dimensions(path: &Path, fields: &Fields) -> Result<[usize; 3], Error> {
     let sizes = field(path, fields, "sizes")?;
-    if field(path, fields, "dimension")? != "3" {
-        let what = format!("an NRRD of sizes {sizes}, not three of them,");
+    let dimension = field(path, fields, "dimension")?;
+    if dimension != "3" {
+        let what = format!("an NRRD of {dimension:.20} dimensions (sizes {sizes:.60})");
         let advice = "extract one volume of three dimensions (overlapping segments: one layer)";
         return Err(Error::unsupported(path, what, advice));
     }

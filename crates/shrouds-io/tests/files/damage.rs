@@ -1,6 +1,7 @@
 //! Whatever is missing from or wrong in a file: an error, no panic, no huge allocation.
 
 use std::path::Path;
+use std::sync::LazyLock;
 
 use proptest::prelude::*;
 use shrouds_io::{Error, MeshOptions, VolumeOptions, read_mesh, read_volume, write_mesh};
@@ -136,16 +137,25 @@ fn absurd_headers_fail_before_memory_does() {
     assert!(error.contains("ends at vertex 10"), "{error}");
 }
 
+/// Made once: every case of a property changes one of them.
+static SOUND: LazyLock<Vec<(&str, Vec<u8>)>> = LazyLock::new(|| {
+    let meshes = meshes().into_iter().map(|(name, bytes, _)| (name, bytes));
+    volumes().into_iter().chain(meshes).collect()
+});
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 400,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     #[test]
     fn changed_bytes_never_panic(
         which in 0usize..10,
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
     ) {
-        let meshes = meshes().into_iter().map(|(name, bytes, _)| (name, bytes));
-        let (name, mut bytes) = volumes().into_iter().chain(meshes).nth(which).unwrap();
+        let (name, mut bytes) = SOUND[which].clone();
         for (place, value) in &changes {
             let length = bytes.len();
             bytes[place.index(length)] = *value;
@@ -173,7 +183,10 @@ proptest! {
     }
 
     #[test]
-    fn bytes_after_a_magic_never_panic(which in 0usize..6, tail in prop::collection::vec(any::<u8>(), 0..600)) {
+    fn bytes_after_a_magic_never_panic(
+        which in 0usize..6,
+        tail in prop::collection::vec(any::<u8>(), 0..600),
+    ) {
         let (name, magic): (&str, &[u8]) = [
             ("a.npy", &b"\x93NUMPY\x01\x00\x76\x00"[..]),
             ("a.nii", &[0x5c, 1, 0, 0]),
