@@ -165,6 +165,12 @@ fn objs_of_others_are_read() {
     assert_eq!(mesh.vertices[3], [0.0, 1.0, 0.0]);
     assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 1, 2], [0, 2, 3]]);
     assert!(mesh.normals.is_empty(), "one normal for all is none for each");
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 1 0\nvn 1 0 0\n";
+    let normals = |face: &str| {
+        read_mesh(folder.file("a.obj", format!("{text}{face}").as_bytes())).unwrap().normals.len()
+    };
+    assert_eq!([normals("f 1//1 2//2 3//3"), normals("f 1//1 2//3 3//2")], [3, 0]);
+    assert_eq!([normals("f 1/4/1 2/4/2 3/4/3"), normals("f 1 2 3")], [3, 0]);
 }
 
 #[test]

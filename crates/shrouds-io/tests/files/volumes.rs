@@ -254,6 +254,8 @@ fn nrrd_frames_come_from_directions_or_spacings() {
     assert_eq!(read(&ras), (affine, "RAS um space directions".into()));
     let unnamed = format!("space dimension: 3\n{directions}");
     assert_eq!(read(&unnamed), (affine, "unnamed unknown space directions".into()));
+    let at_zero = affine.map(|[x, y, z, _]| [x, y, z, 0.0]);
+    assert_eq!(read(&directions.replace("space origin", "# no origin")).0, at_zero);
     let spacings = [[2.0, 0.0, 0.0, 0.0], [0.0, 3.0, 0.0, 0.0], [0.0, 0.0, 5.0, 0.0]];
     assert_eq!(read("spacings: 2 3 5\n"), (spacings, "index unknown spacings".into()));
     let none = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
