@@ -1,1 +1,34 @@
-//! Volume and mesh files.
+//! Volume and mesh files for [`shrouds`].
+//!
+//! A volume file becomes a [`Volume`]: its values, x fastest, on a grid that carries the affine of
+//! the file, with the name and the unit of its world frame. A mesh goes out as PLY, STL or OBJ and
+//! comes back from the same formats. Output files appear whole or not at all ([`write_atomically`]).
+//!
+//! Whatever a file claims about itself, memory grows only with the bytes that are there, nothing
+//! panics, and every [`Error`] names the file, what is wrong with it and what to do.
+//!
+//! ```no_run
+//! use shrouds::Select;
+//! use shrouds_io::{MeshOptions, VolumeOptions, read_volume, write_mesh};
+//!
+//! let volume = read_volume("liver.nii.gz", &VolumeOptions::default())?;
+//! let inside = volume.occupancy(&Select::NonZero)?;
+//! # let mesh = shrouds::TriMesh::default();
+//! let options = MeshOptions { frame: Some(volume.frame.clone()), ..Default::default() };
+//! write_mesh("liver.ply", &mesh, &options)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod atomic;
+mod error;
+mod mesh;
+mod stream;
+mod volume;
+
+pub use atomic::write_atomically;
+pub use error::Error;
+pub use mesh::{MeshFormat, MeshOptions, Precision, mesh_format, read_mesh, write_mesh};
+pub use volume::{
+    Axes, Frame, Progress, Values, Volume, VolumeFormat, VolumeOptions, read_volume, volume_format,
+    write_npy,
+};

@@ -1,0 +1,96 @@
+//! Wavefront OBJ: text, out and in. Materials, textures, groups and curves are passed over.
+
+use std::fmt::Display;
+use std::io::{self, Write};
+use std::path::Path;
+
+use shrouds::TriMesh;
+
+use crate::error::Error;
+use crate::mesh::{MeshOptions, Precision, push_fan};
+
+pub(super) fn write(
+    writer: &mut dyn Write,
+    mesh: &TriMesh,
+    options: &MeshOptions,
+) -> io::Result<()> {
+    writeln!(writer, "# {}", options.comment())?;
+    let mut line = |kind: &str, v: &[f64; 3]| match options.precision {
+        Precision::Single => write_line(writer, kind, v.map(|x| x as f32)),
+        Precision::Double => write_line(writer, kind, *v),
+    };
+    mesh.vertices.iter().try_for_each(|vertex| line("v", vertex))?;
+    mesh.normals.iter().try_for_each(|normal| line("vn", normal))?;
+    for triangle in &mesh.triangles {
+        let [a, b, c] = triangle.map(|index| u64::from(index) + 1);
+        if mesh.normals.is_empty() {
+            writeln!(writer, "f {a} {b} {c}")?;
+        } else {
+            writeln!(writer, "f {a}//{a} {b}//{b} {c}//{c}")?;
+        }
+    }
+    Ok(())
+}
+
+/// Rust prints the fewest digits that read back as the same number.
+fn write_line(writer: &mut dyn Write, kind: &str, [x, y, z]: [impl Display; 3]) -> io::Result<()> {
+    writeln!(writer, "{kind} {x} {y} {z}")
+}
+
+pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<TriMesh, Error> {
+    if bytes.contains(&0) {
+        let advice = "check the extension, or write it again as .obj";
+        return Err(Error::Content { path: path.into(), expected: "an OBJ mesh", advice });
+    }
+    parse(&String::from_utf8_lossy(bytes)).map_err(|problem| Error::mesh(path, problem))
+}
+
+fn parse(text: &str) -> Result<TriMesh, String> {
+    let mut mesh = TriMesh::default();
+    // Normals belong to vertices only if every corner names the normal of its own number.
+    let (mut own_normals, mut corners) = (true, Vec::new());
+    for (number, line) in text.lines().enumerate() {
+        let at = |problem: String| format!("line {}: {problem}", number + 1);
+        let mut words = line.split_whitespace();
+        match words.next() {
+            Some("v") => mesh.vertices.push(point(words).map_err(at)?),
+            Some("vn") => mesh.normals.push(point(words).map_err(at)?),
+            Some("f") => {
+                corners.clear();
+                for word in words {
+                    let (vertex, normal) = corner(word, &mesh).map_err(at)?;
+                    own_normals &= normal == Some(vertex);
+                    corners.push(vertex);
+                }
+                push_fan(&mut mesh.triangles, &corners)
+                    .map_err(|problem| at(format!("the face {problem}")))?;
+            }
+            _ => {}
+        }
+    }
+    if !own_normals || mesh.normals.len() != mesh.vertices.len() {
+        mesh.normals.clear();
+    }
+    Ok(mesh)
+}
+
+fn point<'t>(words: impl Iterator<Item = &'t str>) -> Result<[f64; 3], String> {
+    let values: Option<Vec<f64>> = words.take(3).map(|word| word.parse().ok()).collect();
+    values.and_then(|values| values.try_into().ok()).ok_or_else(|| "not three numbers".to_string())
+}
+
+/// Vertex and normal of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`, counted from 0.
+fn corner(word: &str, mesh: &TriMesh) -> Result<(u32, Option<u32>), String> {
+    let mut parts = word.split('/');
+    let index = |part: Option<&str>, count| resolve(part?, count);
+    let vertex = index(parts.next(), mesh.vertices.len());
+    let normal = index(parts.nth(1), mesh.normals.len());
+    vertex.map(|vertex| (vertex, normal)).ok_or_else(|| format!("'{word:.40}' names no vertex"))
+}
+
+/// Indices count from 1, or backwards from -1, the one defined last.
+fn resolve(part: &str, count: usize) -> Option<u32> {
+    let index: i64 = part.parse().ok()?;
+    let index = if index < 0 { count as i64 + index } else { index - 1 };
+    u32::try_from(index).ok()
+}

@@ -1,0 +1,207 @@
+//! The values of a volume, in the type the file stores them in.
+
+use std::collections::BTreeMap;
+
+use shrouds::volume::Voxel;
+use shrouds::{Grid, Occupancy, Select};
+
+/// Labels counted in a table: those of every 8-bit and 16-bit type.
+const TABLE: std::ops::Range<i128> = -(1 << 15)..1 << 16;
+/// Most distinct labels that are listed.
+const MAX_LABELS: usize = 1 << 16;
+/// Edge of the squares in which axes are swapped: a row fills at least half a cache line, and a
+/// square of the widest type fits the first cache.
+const TILE: usize = 32;
+
+/// One value per lattice point, x fastest, in one of the types that files hold.
+#[derive(Debug, Clone, PartialEq)]
+#[allow(missing_docs)] // Each variant is named after its type.
+pub enum Values {
+    Bool(Vec<bool>),
+    U8(Vec<u8>),
+    I8(Vec<i8>),
+    U16(Vec<u16>),
+    I16(Vec<i16>),
+    U32(Vec<u32>),
+    I32(Vec<i32>),
+    U64(Vec<u64>),
+    I64(Vec<i64>),
+    F32(Vec<f32>),
+    F64(Vec<f64>),
+}
+
+/// `$body` with `$slice` bound to the vector inside, whatever its type.
+macro_rules! with_values {
+    ($values:expr, $slice:ident => $body:expr) => {
+        match $values {
+            Values::Bool($slice) => $body,
+            Values::U8($slice) => $body,
+            Values::I8($slice) => $body,
+            Values::U16($slice) => $body,
+            Values::I16($slice) => $body,
+            Values::U32($slice) => $body,
+            Values::I32($slice) => $body,
+            Values::U64($slice) => $body,
+            Values::I64($slice) => $body,
+            Values::F32($slice) => $body,
+            Values::F64($slice) => $body,
+        }
+    };
+}
+
+impl Values {
+    /// Number of values.
+    pub fn len(&self) -> usize {
+        with_values!(self, v => v.len())
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Name of the type: `bool`, `u8` … `i64`, `f32`, `f64`.
+    pub fn type_name(&self) -> &'static str {
+        fn name<T>(_: &[T]) -> &'static str {
+            std::any::type_name::<T>()
+        }
+        with_values!(self, v => name(v))
+    }
+
+    /// The smallest and the largest value as floats, leaving out what is not a number; `None` when
+    /// nothing is left.
+    pub fn range(&self) -> Option<(f64, f64)> {
+        fn range<T: Voxel>(values: &[T]) -> (f64, f64) {
+            let all = (f64::INFINITY, f64::NEG_INFINITY);
+            values.iter().fold(all, |(low, high), v| (low.min(v.as_f64()), high.max(v.as_f64())))
+        }
+        let (low, high) = with_values!(self, v => range(v));
+        (low <= high).then_some((low, high))
+    }
+
+    /// Every distinct value with its number of lattice points, ascending; `None` when some value is
+    /// not a whole number or there are more than 65 536 distinct ones: then they are no labels.
+    pub fn labels(&self) -> Option<Vec<(i128, u64)>> {
+        with_values!(self, v => count_labels(v))
+    }
+
+    /// The volume of all lattice points of `grid` whose value `select` chooses.
+    ///
+    /// # Errors
+    /// [`shrouds::Error::Length`] when the number of values does not fit the grid,
+    /// [`shrouds::Error::NotANumber`] when a value is not a number.
+    pub fn occupancy(&self, grid: Grid, select: &Select) -> Result<Occupancy, shrouds::Error> {
+        with_values!(self, v => Occupancy::from_values(grid, v, select))
+    }
+
+    /// `slope · value + shift` for every value.
+    pub(super) fn scaled(&self, slope: f64, shift: f64) -> Self {
+        with_values!(self, v => Self::F64(v.iter().map(|v| v.as_f64() * slope + shift).collect()))
+    }
+
+    /// The same values x fastest, given z fastest; `dims` are x, y, z.
+    pub(super) fn with_axes_reversed(self, dims: [usize; 3]) -> Self {
+        match self {
+            Self::Bool(v) => Self::Bool(reverse_axes(&v, dims)),
+            Self::U8(v) => Self::U8(reverse_axes(&v, dims)),
+            Self::I8(v) => Self::I8(reverse_axes(&v, dims)),
+            Self::U16(v) => Self::U16(reverse_axes(&v, dims)),
+            Self::I16(v) => Self::I16(reverse_axes(&v, dims)),
+            Self::U32(v) => Self::U32(reverse_axes(&v, dims)),
+            Self::I32(v) => Self::I32(reverse_axes(&v, dims)),
+            Self::U64(v) => Self::U64(reverse_axes(&v, dims)),
+            Self::I64(v) => Self::I64(reverse_axes(&v, dims)),
+            Self::F32(v) => Self::F32(reverse_axes(&v, dims)),
+            Self::F64(v) => Self::F64(reverse_axes(&v, dims)),
+        }
+    }
+}
+
+fn reverse_axes<T: Copy + Default>(values: &[T], [nx, ny, nz]: [usize; 3]) -> Vec<T> {
+    let mut reversed = vec![T::default(); values.len()];
+    // Through a tile, so that memory is read and written in whole cache lines: strides that are
+    // powers of two would throw a line out before its next value is used.
+    let mut tile = [[T::default(); TILE]; TILE];
+    let corners = (0..nx).step_by(TILE).flat_map(|i| (0..nz).step_by(TILE).map(move |k| (i, k)));
+    for (i0, k0, j) in corners.flat_map(|(i0, k0)| (0..ny).map(move |j| (i0, k0, j))) {
+        let (across, along) = (TILE.min(nx - i0), TILE.min(nz - k0));
+        for (i, row) in tile[..across].iter_mut().enumerate() {
+            let start = ((i0 + i) * ny + j) * nz + k0;
+            row[..along].copy_from_slice(&values[start..start + along]);
+        }
+        for k in 0..along {
+            let start = ((k0 + k) * ny + j) * nx + i0;
+            for (value, row) in reversed[start..start + across].iter_mut().zip(&tile) {
+                *value = row[k];
+            }
+        }
+    }
+    reversed
+}
+
+fn count_labels<T: Voxel>(values: &[T]) -> Option<Vec<(i128, u64)>> {
+    let mut table = vec![0u64; (TABLE.end - TABLE.start) as usize];
+    let mut others = BTreeMap::new();
+    for value in values {
+        let label = value.as_label()?;
+        if TABLE.contains(&label) {
+            table[(label - TABLE.start) as usize] += 1;
+        } else {
+            *others.entry(label).or_insert(0u64) += 1;
+            if others.len() > MAX_LABELS {
+                return None;
+            }
+        }
+    }
+    let mut labels: Vec<(i128, u64)> =
+        (TABLE.zip(table).filter(|&(_, count)| count > 0)).chain(others).collect();
+    labels.sort_unstable();
+    (labels.len() <= MAX_LABELS).then_some(labels)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_are_counted_over_the_whole_range() {
+        let values = Values::I64(vec![5, -40_000, 5, i64::MAX, 70_000, -1, i64::MIN]);
+        let expected = [
+            (i128::from(i64::MIN), 1),
+            (-40_000, 1),
+            (-1, 1),
+            (5, 2),
+            (70_000, 1),
+            (i128::from(i64::MAX), 1),
+        ];
+        assert_eq!(values.labels().unwrap(), expected);
+        assert_eq!(values.range(), Some((i64::MIN as f64, i64::MAX as f64)));
+        assert_eq!(Values::Bool(vec![true, true]).labels().unwrap(), [(1, 2)]);
+    }
+
+    #[test]
+    fn floats_are_labels_only_when_whole() {
+        assert_eq!(Values::F32(vec![2.0, -0.0, 2.0]).labels().unwrap(), [(0, 1), (2, 2)]);
+        for odd in [0.5, f64::NAN, f64::INFINITY] {
+            assert_eq!(Values::F64(vec![1.0, odd]).labels(), None);
+        }
+        assert_eq!(Values::F64(vec![f64::NAN, 2.0, -3.0]).range(), Some((-3.0, 2.0)));
+        assert_eq!(Values::F64(vec![f64::NAN]).range(), None);
+    }
+
+    #[test]
+    fn too_many_values_are_no_labels() {
+        let ramp = |count: u32| Values::U32((0..count).map(|n| n * 3).collect());
+        assert_eq!(ramp(1 << 16).labels().map(|labels| labels.len()), Some(1 << 16));
+        assert_eq!(ramp((1 << 16) + 1).labels(), None);
+    }
+
+    #[test]
+    fn axes_are_reversed_across_tiles() {
+        let dims = [67, 3, 40];
+        let at = |i: usize, j: usize, k: usize| (i * 10_000 + j * 100 + k) as u32;
+        let z_fastest = (0..67 * 120).map(|n| at(n / 120, n / 40 % 3, n % 40)).collect();
+        let x_fastest = (0..67 * 120).map(|n| at(n % 67, n / 67 % 3, n / 201)).collect();
+        assert_eq!(Values::U32(z_fastest).with_axes_reversed(dims), Values::U32(x_fastest));
+    }
+}

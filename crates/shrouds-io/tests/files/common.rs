@@ -1,0 +1,171 @@
+//! Files built byte by byte, as the formats prescribe.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use flate2::{Compression, write::GzEncoder};
+use shrouds_io::{Error, Values, Volume, VolumeOptions, read_volume};
+use tempfile::TempDir;
+
+/// A number that files store.
+pub(crate) trait Stored: Copy {
+    fn bytes(self, big: bool) -> Vec<u8>;
+}
+
+macro_rules! stored {
+    ($($type:ty),*) => {$(
+        impl Stored for $type {
+            fn bytes(self, big: bool) -> Vec<u8> {
+                if big { self.to_be_bytes().into() } else { self.to_le_bytes().into() }
+            }
+        }
+    )*};
+}
+stored!(u8, i8, u16, i16, u32, i32, u64, i64, f32, f64);
+
+pub(crate) fn bytes<T: Stored>(values: &[T], big: bool) -> Vec<u8> {
+    values.iter().flat_map(|v| v.bytes(big)).collect()
+}
+
+/// 24 values for a grid of 4 × 3 × 2, in every type: their bytes in one order, and themselves.
+pub(crate) struct Case {
+    pub(crate) name: &'static str,
+    pub(crate) values: Values,
+    pub(crate) bytes: Vec<u8>,
+}
+
+/// Every type that all formats hold, with values from end to end of its range.
+pub(crate) fn cases(big: bool) -> Vec<Case> {
+    macro_rules! case {
+        ($variant:ident, $type:ident, $ends:expr) => {{
+            let mut values: Vec<$type> = (0..24).map(|n| (n * 5) as $type).collect();
+            [values[0], values[23]] = $ends;
+            let bytes = bytes(&values, big);
+            Case { name: stringify!($type), values: Values::$variant(values), bytes }
+        }};
+    }
+    vec![
+        case!(U8, u8, [u8::MIN, u8::MAX]),
+        case!(I8, i8, [i8::MIN, i8::MAX]),
+        case!(U16, u16, [u16::MIN, u16::MAX]),
+        case!(I16, i16, [i16::MIN, i16::MAX]),
+        case!(U32, u32, [u32::MIN, u32::MAX]),
+        case!(I32, i32, [i32::MIN, i32::MAX]),
+        case!(U64, u64, [u64::MIN, u64::MAX]),
+        case!(I64, i64, [i64::MIN, i64::MAX]),
+        case!(F32, f32, [-1.5e-30, 0.1]),
+        case!(F64, f64, [-1.5e-300, 0.1]),
+    ]
+}
+
+pub(crate) fn npy(descr: &str, fortran: bool, shape: &str, data: &[u8]) -> Vec<u8> {
+    let order = if fortran { "True" } else { "False" };
+    let header = format!("{{'descr': {descr}, 'fortran_order': {order}, 'shape': {shape}, }}\n");
+    let mut file = b"\x93NUMPY\x01\x00".to_vec();
+    file.extend((header.len() as u16).to_le_bytes());
+    file.extend(header.bytes());
+    file.extend(data);
+    file
+}
+
+/// A NIfTI-1 header that tests change by offset before they use it.
+pub(crate) struct Nifti {
+    pub(crate) header: Vec<u8>,
+    pub(crate) big: bool,
+}
+
+impl Nifti {
+    pub(crate) fn new(dims: &[i16], datatype: i16, big: bool) -> Self {
+        let mut file = Self { header: vec![0; 352], big };
+        file.put(0, 348i32);
+        file.put(40, dims.len() as i16);
+        for (n, length) in dims.iter().enumerate() {
+            file.put(42 + 2 * n, *length);
+        }
+        file.put(70, datatype);
+        for n in 0..8 {
+            file.put(76 + 4 * n, 1f32);
+        }
+        file.put(108, 352f32);
+        file.header[344..348].copy_from_slice(b"n+1\0");
+        file
+    }
+
+    pub(crate) fn put<T: Stored>(&mut self, at: usize, value: T) -> &mut Self {
+        let bytes = value.bytes(self.big);
+        self.header[at..at + bytes.len()].copy_from_slice(&bytes);
+        self
+    }
+
+    pub(crate) fn put_all<T: Stored>(&mut self, at: usize, values: &[T]) -> &mut Self {
+        for (n, value) in values.iter().enumerate() {
+            self.put(at + n * size_of::<T>(), *value);
+        }
+        self
+    }
+
+    pub(crate) fn with(&self, data: &[u8]) -> Vec<u8> {
+        [&self.header, data].concat()
+    }
+}
+
+pub(crate) fn datatype(name: &str) -> i16 {
+    let codes = [
+        ("u8", 2),
+        ("i16", 4),
+        ("i32", 8),
+        ("f32", 16),
+        ("f64", 64),
+        ("i8", 256),
+        ("u16", 512),
+        ("u32", 768),
+        ("i64", 1024),
+        ("u64", 1280),
+    ];
+    codes.iter().find(|(known, _)| *known == name).unwrap().1
+}
+
+pub(crate) fn nrrd(fields: &str, data: &[u8]) -> Vec<u8> {
+    [b"NRRD0004\n# made by hand\n", fields.as_bytes(), b"\n", data].concat()
+}
+
+pub(crate) fn gzip(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
+    encoder.write_all(bytes).unwrap();
+    encoder.finish().unwrap()
+}
+
+/// A folder that goes away, and the files in it.
+pub(crate) struct Folder(TempDir);
+
+impl Folder {
+    pub(crate) fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    pub(crate) fn file(&self, name: &str, bytes: &[u8]) -> PathBuf {
+        let path = self.path(name);
+        std::fs::write(&path, bytes).unwrap();
+        path
+    }
+
+    pub(crate) fn names(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(self.0.path()).unwrap();
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    }
+
+    pub(crate) fn volume(&self, name: &str, bytes: &[u8]) -> Result<Volume, Error> {
+        read_volume(self.file(name, bytes), &VolumeOptions::default())
+    }
+
+    /// The message of the error that these bytes must be.
+    pub(crate) fn refusal(&self, name: &str, bytes: &[u8]) -> String {
+        let error = self.volume(name, bytes).expect_err("must be refused").to_string();
+        assert!(error.contains(name), "the message must name the file: {error}");
+        error
+    }
+}
