@@ -47,9 +47,9 @@ def windings(points, triangles, dims):
 
 def _crossings(points, triangles, line):
     """Which triangles meet their line (y, z), on which side (sign of the normal's x) and where."""
-    weights = np.stack(
-        [_side(points, triangles[:, (a + 1) % 3], triangles[:, (a + 2) % 3], line) for a in range(3)], 1
-    )
+    edges = [(1, 2), (2, 0), (0, 1)]  # opposite to each corner
+    weights = [_side(points, triangles[:, a], triangles[:, b], line) for a, b in edges]
+    weights = np.stack(weights, 1)
     hit = (weights > 0).all(1) | (weights < 0).all(1)
     weights = weights[hit]
     total = weights.sum(1)

@@ -57,5 +57,9 @@ def lists_within(value):
     """Every list anywhere in a JSON value."""
     if isinstance(value, list):
         yield value
-    for part in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
+    elif isinstance(value, dict):
+        value = value.values()
+    else:
+        return
+    for part in value:
         yield from lists_within(part)
