@@ -108,7 +108,7 @@ def measure(made, dims, spacing, vertices, triangles):
     total = area.sum()
     of_vertex = made.distance_and_normal(vertices)[0]
     of_middle, true_normal = made.distance_and_normal(corners.mean(1))
-    # Exact for a distance that is quadratic over the triangle.
+    # Exact where the distance varies linearly over the triangle.
     squared = (of_vertex[triangles] ** 2).sum(1) / 12 + 0.75 * of_middle**2
     wide = area > 1e-9
     angle = np.arctan2(
