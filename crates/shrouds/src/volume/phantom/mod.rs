@@ -134,6 +134,18 @@ mod tests {
     }
 
     #[test]
+    fn the_measured_volumes_are_the_ones_that_were_measured() {
+        // Counted by NumPy (tests/python/test_accuracy.py); one point more
+        // or less would move every published accuracy.
+        assert_eq!(linked_tori(24).unwrap().count(), 799);
+        assert_eq!(linked_tori(128).unwrap().count(), 116_216);
+        assert_eq!(linked_tori_with_spacing(128, [1.0, 1.0, 3.0]).unwrap().count(), 39_073);
+        assert_eq!(sphere(32).unwrap().count(), 8_783);
+        assert_eq!(sphere(128).unwrap().count(), 562_276);
+        assert_eq!(gyroid(128).unwrap().count(), 427_151);
+    }
+
+    #[test]
     fn shapes_that_are_no_shapes_are_refused() {
         let grid = Grid::new([4; 3], [1.0; 3]).unwrap();
         assert!(ball(&grid, [0.0, f64::NAN, 0.0], 1.0).is_err());

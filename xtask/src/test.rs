@@ -1,0 +1,64 @@
+//! `cargo xtask test`: every check, in the order of what fails fastest.
+
+use std::process::Command;
+use std::time::Instant;
+
+use anyhow::{Result, anyhow};
+
+use crate::{cargo, program, python, root, run as execute, shown};
+
+/// Runs all steps and stops at the first that fails.
+pub(crate) fn run() -> Result<()> {
+    let mut steps = Steps { passed: 0 };
+    steps.command("format", cargo("fmt --all --check"))?;
+    steps.command("lints", cargo("clippy --workspace --all-targets -- -D warnings"))?;
+    steps.command(
+        "lints without features",
+        cargo("clippy -p shrouds --no-default-features -- -D warnings"),
+    )?;
+    steps.command("Rust tests", cargo("test --workspace"))?;
+    let mut docs = cargo("doc --workspace --no-deps");
+    docs.env("RUSTDOCFLAGS", "-Dwarnings");
+    steps.command("docs", docs)?;
+    steps.command("release build", cargo("build --release --package shrouds-cli"))?;
+    let interpreter =
+        steps.step("Python environment", "python3 -m venv target/python", python::environment)?;
+    let mut judges = Command::new(interpreter);
+    judges
+        .args(["-B", "-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", "tests/python"])
+        .env("SHROUDS_BIN", program())
+        .current_dir(root());
+    steps.command("Python tests", judges)?;
+    println!("\n{} passed, 0 failed", steps.passed);
+    Ok(())
+}
+
+struct Steps {
+    passed: usize,
+}
+
+impl Steps {
+    fn command(&mut self, name: &str, mut command: Command) -> Result<()> {
+        let line = shown(&command);
+        self.step(name, &line, || execute(&mut command))
+    }
+
+    fn step<T>(&mut self, name: &str, line: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
+        println!("\n== {name}: {line}");
+        let start = Instant::now();
+        let done = work();
+        let seconds = start.elapsed().as_secs_f64();
+        match done {
+            Ok(value) => {
+                println!("== {name}: passed in {seconds:.1} s");
+                self.passed += 1;
+                Ok(value)
+            }
+            Err(error) => {
+                println!("== {name}: failed in {seconds:.1} s");
+                println!("\n{} passed, 1 failed", self.passed);
+                Err(anyhow!("step \"{name}\" failed: {error:#}"))
+            }
+        }
+    }
+}
