@@ -8,6 +8,7 @@
 //! Uses: `grid`, `volume`, `mesh`.
 
 mod crossing;
+mod curve;
 mod found;
 mod intersection;
 mod predicates;

@@ -19,8 +19,8 @@ fn sign(x: f64) -> i8 {
 
 /// `+1` when `c` lies left of the line from `a` to `b`, `-1` right of it, `0` on it.
 pub(super) fn side_of_line(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> i8 {
-    let [a, b, c] = [a, b, c].map(|p| Coord { x: p[0], y: p[1] });
-    sign(robust::orient2d(a, b, c))
+    let point = |[x, y]: [f64; 2]| Coord { x, y };
+    sign(robust::orient2d(point(a), point(b), point(c)))
 }
 
 /// [`side_of_line`] of the point `(c[0] + shift[0]·ε, c[1] + shift[1]·ε²)` for an infinitely small
@@ -35,9 +35,14 @@ pub(super) fn side_of_line_shifted(a: [f64; 2], b: [f64; 2], c: [f64; 2], shift:
 
 /// `+1` when `point` lies on the side of the triangle's plane its normal points to, `-1` on the
 /// other side, `0` on the plane.
+#[inline]
 pub(super) fn side_of_plane(triangle: &Corners, point: Point) -> i8 {
-    let [a, b, c] = triangle.map(coordinates);
-    -sign(robust::orient3d(a, b, c, coordinates(point)))
+    let [a, b, c] = *triangle;
+    // Flat parts of a surface mostly lie in a plane across an axis; arithmetic takes longest there.
+    if (0..3).any(|d| a[d] == b[d] && b[d] == c[d] && c[d] == point[d]) {
+        return 0;
+    }
+    -sign(robust::orient3d(coordinates(a), coordinates(b), coordinates(c), coordinates(point)))
 }
 
 fn coordinates([x, y, z]: Point) -> Coord3D<f64> {
@@ -94,17 +99,53 @@ pub(super) fn folded(triangle: &Corners, n: usize, point: Point) -> bool {
 }
 
 /// Whether a segment and a triangle, both with their ends and edges, share a point. The triangle
-/// must not be degenerate.
-pub(super) fn segment_meets_triangle([p, q]: [Point; 2], triangle: &Corners) -> bool {
-    match (side_of_plane(triangle, p), side_of_plane(triangle, q)) {
-        (0, 0) => return coplanar_segment_meets([p, q], triangle),
-        (above, below) if above == below => return false,
-        _ => {}
+/// must not be degenerate; `sides` are those of the ends of the segment.
+pub(super) fn segment_meets_triangle(
+    [p, q]: [Point; 2],
+    sides: [i8; 2],
+    triangle: &Corners,
+) -> bool {
+    if sides[0] == sides[1] {
+        return sides[0] == 0 && coplanar_segment_meets([p, q], triangle);
     }
     // The line through p and q pierces the plane once: on the same side of all three edges?
     let [a, b, c] = *triangle;
     let turns = [(a, b), (b, c), (c, a)].map(|(from, to)| side_of_plane(&[p, q, from], to));
     turns.iter().all(|&s| s >= 0) || turns.iter().all(|&s| s <= 0)
+}
+
+/// Whether two triangles of one plane share a point, with their edges; neither may be degenerate.
+pub(super) fn coplanar_triangles_meet(a: &Corners, b: &Corners) -> bool {
+    let Some(axes) = projection(a) else { return false };
+    let [a, b] = [a, b].map(|triangle| triangle.map(|p| axes.map(|d| p[d])));
+    !has_separating_edge(a, b) && !has_separating_edge(b, a)
+}
+
+/// Whether a line through an edge of `a` has all of `b` strictly on the side away from `a`.
+fn has_separating_edge(a: [[f64; 2]; 3], b: [[f64; 2]; 3]) -> bool {
+    (0..3).any(|n| {
+        let (from, to) = (a[n], a[(n + 1) % 3]);
+        let own = side_of_line(from, to, a[(n + 2) % 3]);
+        b.iter().all(|&point| side_of_line(from, to, point) == -own)
+    })
+}
+
+/// Whether two triangles of one plane that share a corner, `[corner, other, other]` each, share
+/// more. They do not exactly when the line through the corner and another one keeps them apart.
+pub(super) fn coplanar_corners_meet(a: [Point; 3], b: [Point; 3]) -> bool {
+    let Some(axes) = projection(&a) else { return false };
+    let [a, b] = [a, b].map(|triangle| triangle.map(|p| axes.map(|d| p[d])));
+    let apart = |[corner, to, third]: [[f64; 2]; 3], others: [[f64; 2]; 3]| {
+        let own = side_of_line(corner, to, third);
+        let axis = usize::from(corner[0] == to[0]);
+        others[1..].iter().all(|&other| match side_of_line(corner, to, other) {
+            // On the line, but on the other side of the corner.
+            0 => (to[axis] > corner[axis]) != (other[axis] > corner[axis]),
+            side => side == -own,
+        })
+    };
+    let turned = |[corner, to, third]: [[f64; 2]; 3]| [corner, third, to];
+    !(apart(a, b) || apart(turned(a), b) || apart(b, a) || apart(turned(b), a))
 }
 
 fn coplanar_segment_meets(segment: [Point; 2], triangle: &Corners) -> bool {

@@ -112,8 +112,10 @@ pub(super) fn examine(mesh: &TriMesh) -> Result<(Structure, Vec<[u32; 2]>), Erro
 }
 
 /// The corners of triangle `index`.
+#[inline]
 pub(super) fn corners(mesh: &TriMesh, index: usize) -> Corners {
-    mesh.triangles[index].map(|v| mesh.vertices[v as usize])
+    let [a, b, c] = mesh.triangles[index];
+    [mesh.vertices[a as usize], mesh.vertices[b as usize], mesh.vertices[c as usize]]
 }
 
 fn refuse_damage(mesh: &TriMesh) -> Result<(), Error> {
