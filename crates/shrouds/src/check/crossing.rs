@@ -1,0 +1,183 @@
+//! Where triangles meet the lines and points of the lattice, in units of the index.
+
+use crate::check::predicates::{Corners, area_vector, distance_squared, is_degenerate};
+use crate::check::predicates::{side_of_line_shifted, side_of_plane};
+use crate::check::structure::corners;
+use crate::mesh::TriMesh;
+use crate::parallel;
+
+/// A lattice point this close to the mesh, in units of the index, touches it and has no side.
+pub(super) const TOUCH: f64 = 1e-4;
+/// Triangles per block of parallel work.
+const BLOCK: usize = 1 << 13;
+
+/// A change of the winding number at a lattice point: its position, doubled, plus 1 where it rises.
+pub(super) type Change = u64;
+
+/// By how much the winding number changes.
+pub(super) fn step(change: Change) -> i64 {
+    if change & 1 == 1 { 1 } else { -1 }
+}
+
+/// All changes of the winding number along lines of the lattice in the direction of `axis`, sorted.
+/// A change lies at the first lattice point behind its crossing; crossings behind the last point
+/// of a line change nothing.
+pub(super) fn crossings(mesh: &TriMesh, axis: usize, dims: [usize; 3]) -> Vec<Change> {
+    let blocks = parallel::blocks(mesh.triangles.len(), BLOCK, |range| {
+        let mut changes = Vec::new();
+        range.for_each(|t| cross_triangle(&corners(mesh, t), axis, dims, &mut changes));
+        changes
+    });
+    let mut changes = blocks.concat();
+    changes.sort_unstable();
+    changes
+}
+
+fn cross_triangle(triangle: &Corners, axis: usize, dims: [usize; 3], changes: &mut Vec<Change>) {
+    let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+    let flat = triangle.map(|p| [p[u], p[v]]);
+    let limits = [dims[u], dims[v]];
+    for_points_near(flat, 0.0, limits, |line| {
+        let side = passes_through(flat, line, limits);
+        if side == 0 {
+            return;
+        }
+        let behind = |along: usize| {
+            let mut point = [along as f64; 3];
+            (point[u], point[v]) = (line[0] as f64, line[1] as f64);
+            side_of_plane(triangle, point) * side >= 0
+        };
+        let mut index = [0; 3];
+        index[axis] = first_behind(triangle.map(|p| p[axis]), dims[axis], behind);
+        (index[u], index[v]) = (line[0], line[1]);
+        if index[axis] < dims[axis] {
+            let [i, j, k] = index.map(|x| x as u64);
+            let position = (k * dims[1] as u64 + j) * dims[0] as u64 + i;
+            // Against the normal the line goes in.
+            changes.push(2 * position + u64::from(side < 0));
+        }
+    });
+}
+
+/// `+1` when the line passes through the triangle along its normal, `-1` against it, `0` when it
+/// misses. The line is shifted by (ε, ε²), each towards the inside of the box.
+fn passes_through(flat: [[f64; 2]; 3], line: [usize; 2], limits: [usize; 2]) -> i8 {
+    let shift = [0, 1].map(|d| if line[d] > 0 && line[d] + 1 == limits[d] { -1.0 } else { 1.0 });
+    let line = line.map(|x| x as f64);
+    let [a, b, c] = flat;
+    let side = side_of_line_shifted(a, b, line, shift);
+    let same = |from, to| side_of_line_shifted(from, to, line, shift) == side;
+    if side != 0 && same(b, c) && same(c, a) { side } else { 0 }
+}
+
+/// The first of the `count` lattice points along a line at or behind its crossing with a triangle
+/// that has these coordinates along it, or `count` when there is none.
+fn first_behind(along: [f64; 3], count: usize, behind: impl Fn(usize) -> bool) -> usize {
+    let [a, b, c] = along;
+    let whole = |x: f64| x.ceil().clamp(0.0, count as f64) as usize;
+    let (mut low, mut high) = (whole(a.min(b).min(c)), whole(a.max(b).max(c)));
+    while low < high {
+        let middle = low + (high - low) / 2;
+        if behind(middle) {
+            high = middle;
+        } else {
+            low = middle + 1;
+        }
+    }
+    low
+}
+
+/// Calls `visit` with the whole points `[u, v]` in `0..limits` that may lie within `margin` of the
+/// flat triangle; a few more may be visited, none is left out.
+fn for_points_near(
+    flat: [[f64; 2]; 3],
+    margin: f64,
+    limits: [usize; 2],
+    mut visit: impl FnMut([usize; 2]),
+) {
+    let whole = |low: f64, high: f64, limit: usize| {
+        let (low, high) = ((low - margin).ceil().max(0.0), (high + margin).floor());
+        // Casts saturate, and a range that ends before it starts is empty.
+        low as usize..(high + 1.0).min(limit as f64).max(0.0) as usize
+    };
+    let span = |d: usize| {
+        let [a, b, c] = flat.map(|p| p[d]);
+        (a.min(b).min(c), a.max(b).max(c))
+    };
+    let (low, high) = span(1);
+    let (left, right) = span(0);
+    let rows = whole(low, high, limits[1]);
+    let few = right - left < 4.0;
+    for v in rows {
+        let (left, right) = if few { (left, right) } else { slab(flat, v as f64, margin) };
+        whole(left, right, limits[0]).for_each(|u| visit([u, v]));
+    }
+}
+
+/// Extent along the first axis of the part of the triangle within `margin` of the line `y` on the
+/// second, and a little more.
+fn slab(flat: [[f64; 2]; 3], y: f64, margin: f64) -> (f64, f64) {
+    let margin = margin + 1e-6;
+    let mut span = (f64::INFINITY, f64::NEG_INFINITY);
+    for n in 0..3 {
+        let ([ax, ay], [bx, by]) = (flat[n], flat[(n + 1) % 3]);
+        let (low, high) = (ay.min(by), ay.max(by));
+        if low > y + margin || high < y - margin {
+            continue;
+        }
+        for level in [y - margin, y + margin] {
+            let t = if ay == by { 0.0 } else { ((level - ay) / (by - ay)).clamp(0.0, 1.0) };
+            let x = ax + t * (bx - ax);
+            span = (span.0.min(x), span.1.max(x));
+        }
+        if ay == by {
+            span = (span.0.min(bx), span.1.max(bx));
+        }
+    }
+    (span.0 - margin, span.1 + margin)
+}
+
+/// Positions of the lattice points within [`TOUCH`] of a triangle, sorted.
+pub(super) fn touching_points(mesh: &TriMesh, dims: [usize; 3]) -> Vec<u64> {
+    let blocks = parallel::blocks(mesh.triangles.len(), BLOCK, |range| {
+        let mut found = Vec::new();
+        range.for_each(|t| touching_triangle(&corners(mesh, t), dims, &mut found));
+        found
+    });
+    let mut touching = blocks.concat();
+    touching.sort_unstable();
+    touching.dedup();
+    touching
+}
+
+fn touching_triangle(triangle: &Corners, dims: [usize; 3], found: &mut Vec<u64>) {
+    // No whole number near the triangle along one axis: no lattice point is near it.
+    let near = |d: usize| {
+        let [a, b, c] = triangle.map(|p| p[d]);
+        (a.min(b).min(c) - TOUCH).ceil() <= (a.max(b).max(c) + TOUCH).floor()
+    };
+    if !(near(0) && near(1) && near(2)) || is_degenerate(triangle) {
+        return; // the neighbours across its longest edge cover a degenerate triangle
+    }
+    let normal = area_vector(triangle);
+    let steepest = |a: usize, b: usize| if normal[b].abs() > normal[a].abs() { b } else { a };
+    let axis = steepest(steepest(0, 1), 2);
+    let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+    let flat = triangle.map(|p| [p[u], p[v]]);
+    for_points_near(flat, TOUCH, [dims[u], dims[v]], |[iu, iv]| {
+        let (du, dv) = (iu as f64 - triangle[0][u], iv as f64 - triangle[0][v]);
+        let height = triangle[0][axis] - (normal[u] * du + normal[v] * dv) / normal[axis];
+        let nearest = height.round();
+        // A point within TOUCH of the triangle is within 1 + √2 times that of its plane's height,
+        // because the plane rises at most 1 per step along either axis.
+        if (height - nearest).abs() > 4.0 * TOUCH || nearest < 0.0 || nearest >= dims[axis] as f64 {
+            return;
+        }
+        let mut point = [nearest; 3];
+        (point[u], point[v]) = (iu as f64, iv as f64);
+        if distance_squared(point, triangle) <= TOUCH * TOUCH {
+            let [i, j, k] = point.map(|x| x as u64);
+            found.push((k * dims[1] as u64 + j) * dims[0] as u64 + i);
+        }
+    });
+}
