@@ -6,8 +6,8 @@ use crate::error::Error;
 use crate::mesh::{MeshKind, TriMesh, Triangles};
 use crate::network::Network;
 use crate::optimize::{self, Observer, Report, optimize};
-use crate::surface::{Border, FaceRule, Surface};
-use crate::volume::Occupancy;
+use crate::surface::Surface;
+use crate::volume::{Border, FaceRule, Occupancy};
 
 /// Everything a caller can choose.
 #[derive(Clone, Default)]

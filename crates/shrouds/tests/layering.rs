@@ -10,18 +10,19 @@ use std::path::{Path, PathBuf};
 const ARROWS: &[(&str, &[&str])] = &[
     ("error", &[]),
     ("parallel", &[]),
+    ("vector", &[]),
     ("grid", &["error"]),
     ("volume", &["grid", "error", "parallel"]),
     ("surface", &["grid", "volume", "error", "parallel"]),
     ("network", &["surface", "error", "parallel"]),
     ("energy", &[]),
-    ("optimize", &["surface", "network", "energy", "volume", "grid", "error", "parallel"]),
-    ("mesh", &["grid", "surface", "network", "error", "parallel"]),
-    // The judge shares nothing with what it judges but the names of two settings.
     (
-        "check",
-        &["grid", "volume", "mesh", "error", "parallel", "surface::Border", "surface::FaceRule"],
+        "optimize",
+        &["surface", "network", "energy", "volume", "grid", "error", "parallel", "vector"],
     ),
+    ("mesh", &["grid", "surface", "network", "error", "parallel", "vector"]),
+    // The judge shares nothing with what it judges.
+    ("check", &["grid", "volume", "mesh", "error", "parallel"]),
 ];
 
 /// The module that tells the whole story may use everything.

@@ -6,7 +6,8 @@ use common::{CONVENTIONS, volumes};
 use proptest::prelude::*;
 use shrouds::Occupancy;
 use shrouds::network::Network;
-use shrouds::surface::{Border, Surface};
+use shrouds::surface::Surface;
+use shrouds::volume::Border;
 
 /// Grid edges with ends on different sides, counted point by point.
 fn count_crossings(volume: &Occupancy, border: Border) -> usize {

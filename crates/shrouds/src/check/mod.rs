@@ -28,27 +28,7 @@ pub use voxel_topology::{VoxelTopology, voxel_topology};
 use crate::error::Error;
 use crate::grid::Grid;
 use crate::mesh::TriMesh;
-use crate::volume::Occupancy;
-
-/// What lies beyond the outermost lattice points.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Border {
-    /// Outside points: the surface closes around the inside points at the border.
-    #[default]
-    Closed,
-    /// Nothing: the surface ends at the outermost lattice planes.
-    Open,
-}
-
-/// How the surface passes through a lattice face whose inside corners are opposite each other.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum FaceRule {
-    /// The inside corners are apart and the outside corners hang together.
-    #[default]
-    Separate,
-    /// The inside corners hang together and the outside corners are apart.
-    Join,
-}
+use crate::volume::{Border, FaceRule, Occupancy};
 
 /// What to expect of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

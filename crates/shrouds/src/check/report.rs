@@ -1,10 +1,11 @@
 //! The certificate.
 
+use crate::check::CheckSettings;
 use crate::check::found::Found;
 use crate::check::separation::{Separation, WrongPoint};
 use crate::check::structure::Structure;
 use crate::check::voxel_topology::VoxelTopology;
-use crate::check::{Border, CheckSettings};
+use crate::volume::Border;
 
 /// What the check found, in the order it is read: the mesh by itself, against its volume, and
 /// against the topology that the volume asks for.

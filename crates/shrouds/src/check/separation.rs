@@ -14,7 +14,6 @@
 //! surface ends at the outermost lattice planes and the first point of each line is taken to be
 //! right, so all three axes are needed to tie the lines together.
 
-use crate::check::Border;
 use crate::check::crossing::{Change, TOUCH, crossings, step, touching_points};
 use crate::check::found::Found;
 use crate::check::predicates::COORDINATE_LIMIT;
@@ -22,6 +21,7 @@ use crate::error::Error;
 use crate::grid::Grid;
 use crate::mesh::TriMesh;
 use crate::parallel;
+use crate::volume::Border;
 use crate::volume::Occupancy;
 
 /// On which side of the mesh the lattice points lie.

@@ -1,6 +1,6 @@
 //! The rows of a volume as words, with a layer of outside points around a closed border.
 
-use crate::check::Border;
+use crate::volume::Border;
 use crate::volume::Occupancy;
 
 /// The volume as its topology sees it.

@@ -20,9 +20,9 @@
 //! the last term only with an open border, where R ends at the outermost lattice planes.
 
 use crate::check::voxel_rows::Rows;
-use crate::check::{Border, FaceRule};
 use crate::parallel;
 use crate::volume::Occupancy;
+use crate::volume::{Border, FaceRule};
 
 /// What the topology of the separating surface of a volume must be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,7 +41,7 @@ pub struct VoxelTopology {
 /// points from the outside ones, without making it.
 ///
 /// ```
-/// use shrouds::{Grid, Occupancy, check::{Border, FaceRule, voxel_topology}};
+/// use shrouds::{Grid, Occupancy, check::voxel_topology, volume::{Border, FaceRule}};
 ///
 /// let grid = Grid::new([2, 2, 1], [1.0; 3])?;
 /// let diagonal = Occupancy::from_fn(grid, |[i, j, _]| i == j);

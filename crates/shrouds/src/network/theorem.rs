@@ -1,7 +1,8 @@
 //! Theorem 1 of the paper as a check.
 
 use crate::network::Network;
-use crate::surface::{Border, Surface};
+use crate::surface::Surface;
+use crate::volume::Border;
 
 /// What a count over the network found; see [`Network::check`].
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

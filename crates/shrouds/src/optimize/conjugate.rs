@@ -50,7 +50,7 @@ impl Workspace {
     /// Long runs of conjugate gradients leave the box along its almost flat valleys, and cutting the
     /// step at the end would spoil it; so it is cut after every short segment, the vertices that were
     /// cut stay where they are, and the next segment starts from the corrected residual.
-    pub(super) fn solve(&mut self, model: &Model, room: &Room, damping: f64, effort: &Effort) {
+    pub(super) fn solve(&mut self, model: &Model, room: &Room, damping: &[f64], effort: &Effort) {
         let mut norm = self.start(model, room, damping);
         let goal = norm * effort.reduction * effort.reduction;
         for segment in 0..effort.segments {
@@ -67,12 +67,12 @@ impl Workspace {
 
     /// Starts from no step at all. Returns the squared norm of the residual in the metric of the
     /// preconditioner, as the functions below do.
-    fn start(&mut self, model: &Model, room: &Room, damping: f64) -> f64 {
+    fn start(&mut self, model: &Model, room: &Room, damping: &[f64]) -> f64 {
         parallel::update_sum(&mut self.states, |v, state| {
             let gradient = model.gradient(v);
             let held =
                 (room.low[v] >= 0.0 && gradient > 0.0) || (room.high[v] <= 0.0 && gradient < 0.0);
-            let diagonal = model.diagonal(v) * (1.0 + damping);
+            let diagonal = model.diagonal(v) * (1.0 + damping[v]);
             let free = !held && diagonal > 0.0;
             *state = State::default();
             if free {
@@ -87,7 +87,7 @@ impl Workspace {
     fn segment(
         &mut self,
         model: &Model,
-        damping: f64,
+        damping: &[f64],
         iterations: usize,
         mut norm: f64,
         goal: f64,
@@ -98,7 +98,7 @@ impl Workspace {
             let direction = &self.direction;
             let curvature = parallel::update_sum(&mut self.states, |v, state| {
                 let free = state.inverse > 0.0;
-                state.image = if free { model.product(v, direction, damping) } else { 0.0 };
+                state.image = if free { model.product(v, direction, damping[v]) } else { 0.0 };
                 state.image * direction[v]
             });
             if curvature <= 0.0 {
@@ -136,13 +136,13 @@ impl Workspace {
         cuts > 0.0
     }
 
-    fn recompute_residual(&mut self, model: &Model, damping: f64) -> f64 {
+    fn recompute_residual(&mut self, model: &Model, damping: &[f64]) -> f64 {
         let states = &self.states;
         parallel::fill(&mut self.direction, |v| states[v].step);
         let step = &self.direction;
         parallel::update_sum(&mut self.states, |v, state| {
             if state.inverse > 0.0 {
-                state.residual = -model.gradient(v) - model.product(v, step, damping);
+                state.residual = -model.gradient(v) - model.product(v, step, damping[v]);
             }
             state.residual * state.residual * state.inverse
         })

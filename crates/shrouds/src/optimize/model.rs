@@ -2,6 +2,7 @@
 
 use crate::optimize::problem::{Problem, Quadratic, Univariate};
 use crate::parallel;
+use crate::vector::dot;
 
 /// Row of the Gauss–Newton matrix of one vertex: its coupling to itself and, in each of its four
 /// slots, to the vertices one and two steps away.
@@ -60,6 +61,19 @@ impl Model {
         };
         parallel::fill(&mut self.gradient, gradient_at);
         parallel::fill(&mut self.rows, |v| row_at(problem, terms, v, problem.barrier_slope(x[v])));
+    }
+
+    /// By how much the model expects ρ at vertex `v`, weighted and summed over its two curves, to
+    /// change when the positions change by `moves`.
+    pub(super) fn expected_change(&self, v: usize, moves: impl Fn(usize) -> f64) -> f64 {
+        let on_curve = |c: usize| {
+            let term = &self.terms[v][c];
+            let [before, after] = [2 * c, 2 * c + 1].map(|slot| self.near[v][slot] as usize);
+            let d = [before, v, after].map(&moves);
+            let bent = |i: usize| dot(term.hessian[i], d);
+            (0..3).map(|i| d[i] * (term.gradient[i] + 0.5 * bent(i))).sum::<f64>()
+        };
+        on_curve(0) + on_curve(1)
     }
 
     pub(super) fn gradient(&self, v: usize) -> f64 {

@@ -18,6 +18,17 @@ const EARLY_STEPS: usize = 4;
 const SHORT_CHORD: f64 = 0.2;
 /// A curve that turns so much that this is above the cosine may sit in a local minimum of one vertex.
 const SHARP_TURN: f64 = 0.3;
+/// Damping to start with and its limits, and how it changes where a step raised the energy and where
+/// it did not.
+const FIRST_DAMPING: f64 = 1e-3;
+const LEAST_DAMPING: f64 = 1e-9;
+const MOST_DAMPING: f64 = 1e3;
+const RAISE: f64 = 8.0;
+const LOWER: f64 = 0.3;
+/// A rise is a surprise when more than this part of it was not in the model.
+const UNEXPECTED: f64 = 0.5;
+/// A rise below this part of the energy is rounding.
+const NOISE: f64 = 1e-9;
 /// With a barrier a step covers at most this part of the way to a bound.
 const MOST_OF_THE_WAY: f64 = 0.95;
 
@@ -49,13 +60,24 @@ pub(super) fn solve(
 struct Newton {
     model: Model,
     workspace: Workspace,
-    damping: f64,
+    /// By how much the diagonal of every vertex is raised, as a factor. It grows only where a step
+    /// raised the energy, so that a few awkward places do not hold up the rest.
+    damping: Vec<f64>,
+    /// The energy by vertex, before and after a step.
+    before: Vec<f64>,
+    after: Vec<f64>,
 }
 
 impl Newton {
     fn new(problem: &Problem) -> Self {
         let count = problem.vertex_count();
-        Self { model: Model::new(problem), workspace: Workspace::new(count), damping: 1e-3 }
+        Self {
+            model: Model::new(problem),
+            workspace: Workspace::new(count),
+            damping: vec![FIRST_DAMPING; count],
+            before: vec![0.0; count],
+            after: vec![0.0; count],
+        }
     }
 
     fn round(
@@ -97,28 +119,73 @@ impl Newton {
         round
     }
 
-    /// One step that lowers the energy, with more damping until it does. Returns the new energy, or
-    /// nothing when no attempt helped.
+    /// One step that lowers the energy, with more damping where it rises until it does. Returns the
+    /// new energy, or nothing when no attempt helped.
     fn step(&mut self, problem: &Problem, x: &mut Vec<f64>, energy: f64) -> Option<f64> {
-        const ATTEMPTS: usize = 12;
-        let room = room(problem, x);
+        const ATTEMPTS: usize = 8;
         const EFFORT: Effort = Effort { segment: 25, segments: 4, reduction: 1e-2 };
+        let room = room(problem, x);
+        problem.value_by_vertex(x, &mut self.before);
         for _ in 0..ATTEMPTS {
-            self.workspace.solve(&self.model, &room, self.damping, &EFFORT);
+            self.workspace.solve(&self.model, &room, &self.damping, &EFFORT);
             let mut trial = vec![0.0; x.len()];
             let workspace = &self.workspace;
             let [low, high] = problem.bounds;
             parallel::fill(&mut trial, |v| (x[v] + workspace.step(v)).clamp(low, high));
             repair(problem, &mut trial);
-            let lower = problem.value(&trial);
-            if lower < energy {
+            let mut lower = problem.value_by_vertex(&trial, &mut self.after);
+            let rises = self.rises(problem, x, &trial);
+            if std::env::var("LAB").is_ok() {
+                eprintln!(
+                    "    E {energy:.4} trial {lower:.4} rises {}",
+                    rises.iter().filter(|&&r| r).count()
+                );
+            }
+            let mut kept = trial.clone();
+            parallel::update(&mut kept, |v, kept| {
+                if rises[v] {
+                    *kept = x[v];
+                }
+            });
+            let value = problem.value(&kept);
+            if value < lower {
+                lower = value;
+                trial = kept;
+            }
+            let fell = lower < energy;
+            parallel::update(&mut self.damping, |v, damping| {
+                if rises[v] {
+                    *damping = (*damping * RAISE).clamp(FIRST_DAMPING, MOST_DAMPING);
+                } else if fell {
+                    *damping = (*damping * LOWER).max(LEAST_DAMPING);
+                }
+            });
+            if fell {
                 *x = trial;
-                self.damping = (self.damping * 0.3).max(1e-9);
                 return Some(lower);
             }
-            self.damping = (self.damping * 4.0).max(1e-6);
         }
         None
+    }
+
+    /// Whether the energy of a vertex and its neighbours together rose by a step although the model
+    /// did not expect it to.
+    fn rises(&self, problem: &Problem, x: &[f64], trial: &[f64]) -> Vec<bool> {
+        let mut surprise = vec![[0.0; 2]; x.len()];
+        parallel::fill(&mut surprise, |v| {
+            let change = self.after[v] - self.before[v];
+            let expected = self.model.expected_change(v, |u| trial[u] - x[u]);
+            [change, change - expected]
+        });
+        let mut rises = vec![false; x.len()];
+        parallel::fill(&mut rises, |v| {
+            let beside = (0..4).filter_map(|slot| problem.network.neighbour(v as u32, slot));
+            let [change, unexpected] = beside
+                .map(|(u, _)| surprise[u as usize])
+                .fold(surprise[v], |a, b| [a[0] + b[0], a[1] + b[1]]);
+            change > NOISE * self.before[v] && unexpected > UNEXPECTED * change
+        });
+        rises
     }
 }
 

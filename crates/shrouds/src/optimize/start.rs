@@ -2,8 +2,8 @@
 
 use crate::optimize::settings::Start;
 use crate::parallel;
-use crate::surface::{Border, Surface};
-use crate::volume::Occupancy;
+use crate::surface::Surface;
+use crate::volume::{Border, Occupancy};
 
 /// Positions from the low end of every grid edge, in [0, 1].
 pub(super) fn positions(volume: &Occupancy, surface: &Surface, start: &Start) -> Vec<f64> {

@@ -5,8 +5,9 @@
 
 use std::sync::LazyLock;
 
-use crate::surface::face_rule::{FaceRule, segments};
+use crate::surface::face_rule::segments;
 use crate::surface::triangulation::{MAX_CORNERS, cheapest};
+use crate::volume::FaceRule;
 
 /// One closed loop of crossings in a cell.
 #[derive(Debug, Clone)]

@@ -2,12 +2,11 @@
 
 use crate::error::Error;
 use crate::parallel;
+use crate::surface::Surface;
 use crate::surface::cell::{self, CellTable};
 use crate::surface::crossing::Crossing;
-use crate::surface::face_rule::FaceRule;
 use crate::surface::rows::{Rows, mask_below, set_bits, shifted};
-use crate::surface::{Border, Surface};
-use crate::volume::Occupancy;
+use crate::volume::{Border, FaceRule, Occupancy};
 
 impl Surface {
     /// Finds the crossings and patches of a volume.

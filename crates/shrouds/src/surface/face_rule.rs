@@ -1,17 +1,6 @@
 //! The one place that settles a lattice face.
 
-/// How a lattice face with two inside corners on one diagonal is cut.
-///
-/// The bilinear function on such a face of a binary volume has its saddle exactly at the threshold,
-/// so the asymptotic decider ties and a convention is needed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
-pub enum FaceRule {
-    /// The inside corners are separated: inside is 6-connected, outside 18-connected.
-    #[default]
-    Separate,
-    /// The inside corners are joined: inside is 18-connected, outside 6-connected.
-    Join,
-}
+use crate::volume::FaceRule;
 
 /// The segments of the surface on a face whose corners, in cyclic order, are `inside`.
 ///

@@ -16,19 +16,9 @@ pub(crate) mod triangulation;
 
 pub use cell::LoopShape;
 pub use crossing::Crossing;
-pub use face_rule::FaceRule;
 
 use crate::grid::Grid;
-
-/// What lies beyond the outermost lattice points.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
-pub enum Border {
-    /// Outside points: the surface closes over the border of the volume.
-    #[default]
-    Closed,
-    /// Nothing: the surface ends at the outermost lattice planes.
-    Open,
-}
+use crate::volume::{Border, FaceRule};
 
 /// Crossings and patches of a volume: the topology shared by all its separating surfaces.
 ///

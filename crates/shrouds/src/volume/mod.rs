@@ -3,9 +3,11 @@
 //! The paper calls the set of inside lattice points an *enumerated volume* and its bits the
 //! *occupancy array* (section 4.3). Uses: `grid`.
 
+mod convention;
 mod occupancy;
 pub mod phantom;
 mod select;
 
+pub use convention::{Border, FaceRule};
 pub use occupancy::Occupancy;
 pub use select::{Select, Voxel};

@@ -1,5 +1,6 @@
 use proptest::prelude::*;
-use shrouds::check::{Border, CheckReport, CheckSettings, FaceRule, check};
+use shrouds::check::{CheckReport, CheckSettings, check};
+use shrouds::volume::{Border, FaceRule};
 use shrouds::{Error, Grid, Occupancy, TriMesh};
 
 use crate::shapes::{cubic, in_world, noise, octahedron, together, voxel_box};

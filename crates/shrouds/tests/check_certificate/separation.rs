@@ -1,5 +1,6 @@
 use proptest::prelude::*;
-use shrouds::check::{Border, CheckSettings, Separation, check};
+use shrouds::check::{CheckSettings, Separation, check};
+use shrouds::volume::Border;
 use shrouds::{Grid, Occupancy, TriMesh};
 
 use crate::shapes::{cubes, determinant, in_world, minus, noise, random_volume};

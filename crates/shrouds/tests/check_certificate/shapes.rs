@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use shrouds::check::Border;
+use shrouds::volume::Border;
 use shrouds::{Grid, Occupancy, TriMesh};
 
 /// A number in [0, 1) that depends on the key alone.

@@ -1,7 +1,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use proptest::prelude::*;
-use shrouds::check::{Border, FaceRule, VoxelTopology, voxel_topology};
+use shrouds::check::{VoxelTopology, voxel_topology};
+use shrouds::volume::{Border, FaceRule};
 use shrouds::{Grid, Occupancy};
 
 use crate::shapes::{cubic, random_volume};

@@ -2,7 +2,7 @@
 #![allow(dead_code)]
 
 use proptest::prelude::*;
-use shrouds::surface::{Border, FaceRule};
+use shrouds::volume::{Border, FaceRule};
 use shrouds::{Grid, Occupancy};
 
 /// Random volumes of a few lattice points a side, at every density; some rows cross a word boundary.
