@@ -5,7 +5,7 @@
 //! contain its grid edge. So a vertex has four neighbours, fewer only where an open border ends a
 //! curve.
 //!
-//! Uses: `surface`.
+//! Uses: `volume` (its conventions), `surface`.
 
 mod theorem;
 mod walk;
