@@ -53,6 +53,9 @@ pub(crate) fn update_sum<T: Send>(
         let first = block * BLOCK;
         part.iter_mut().enumerate().map(|(n, value)| f(first + n, value)).sum::<f64>()
     };
+    if values.len() <= BLOCK {
+        return update_block((0, values));
+    }
     #[cfg(feature = "parallel")]
     let sums: Vec<f64> = values.par_chunks_mut(BLOCK).enumerate().map(update_block).collect();
     #[cfg(not(feature = "parallel"))]

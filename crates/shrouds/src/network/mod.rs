@@ -95,8 +95,9 @@ impl Network {
     /// The axes normal to the plane of curve `c` (0 or 1) of vertex `v`, and across its grid edge
     /// within that plane.
     pub fn curve_axes(&self, v: u32, c: usize) -> (usize, usize) {
-        let d = self.axis(v);
-        ((d + 1 + c) % 3, (d + 2 - c) % 3)
+        const AXES: [[(usize, usize); 2]; 3] =
+            [[(1, 2), (2, 1)], [(2, 0), (0, 2)], [(0, 1), (1, 0)]];
+        AXES[self.axis(v)][c]
     }
 
     /// The neighbour of vertex `v` in a slot, with the way its grid edge lies to that of `v`.

@@ -18,21 +18,29 @@ pub(super) struct Effort {
     pub(super) reduction: f64,
 }
 
-/// What conjugate gradients keep of one vertex.
+/// What conjugate gradients keep of one vertex. In single precision, which halves the memory that
+/// every iteration moves; the gradient of the next step makes up for it.
 #[derive(Clone, Copy, Default)]
 struct State {
-    step: f64,
-    residual: f64,
+    step: f32,
+    residual: f32,
     /// The matrix times the direction.
-    image: f64,
+    image: f32,
     /// Inverse of the damped diagonal; 0 for a fixed vertex.
-    inverse: f64,
+    inverse: f32,
+}
+
+impl State {
+    /// Squared residual in the metric of the preconditioner.
+    fn norm_squared(&self) -> f64 {
+        f64::from(self.residual * self.residual * self.inverse)
+    }
 }
 
 /// Working vectors, kept between steps.
 pub(super) struct Workspace {
     states: Vec<State>,
-    direction: Vec<f64>,
+    direction: Vec<f32>,
 }
 
 impl Workspace {
@@ -42,7 +50,7 @@ impl Workspace {
 
     /// The step of vertex `v` that the last call of [`Workspace::solve`] found.
     pub(super) fn step(&self, v: usize) -> f64 {
-        self.states[v].step
+        f64::from(self.states[v].step)
     }
 
     /// Minimises the model over steps within the room, approximately.
@@ -50,7 +58,7 @@ impl Workspace {
     /// Long runs of conjugate gradients leave the box along its almost flat valleys, and cutting the
     /// step at the end would spoil it; so it is cut after every short segment, the vertices that were
     /// cut stay where they are, and the next segment starts from the corrected residual.
-    pub(super) fn solve(&mut self, model: &Model, room: &Room, damping: &[f64], effort: &Effort) {
+    pub(super) fn solve(&mut self, model: &Model, room: &Room, damping: &[f32], effort: &Effort) {
         let mut norm = self.start(model, room, damping);
         let goal = norm * effort.reduction * effort.reduction;
         for segment in 0..effort.segments {
@@ -67,19 +75,19 @@ impl Workspace {
 
     /// Starts from no step at all. Returns the squared norm of the residual in the metric of the
     /// preconditioner, as the functions below do.
-    fn start(&mut self, model: &Model, room: &Room, damping: &[f64]) -> f64 {
+    fn start(&mut self, model: &Model, room: &Room, damping: &[f32]) -> f64 {
         parallel::update_sum(&mut self.states, |v, state| {
             let gradient = model.gradient(v);
             let held =
                 (room.low[v] >= 0.0 && gradient > 0.0) || (room.high[v] <= 0.0 && gradient < 0.0);
-            let diagonal = model.diagonal(v) * (1.0 + damping[v]);
+            let diagonal = model.diagonal(v) * (1.0 + f64::from(damping[v]));
             let free = !held && diagonal > 0.0;
             *state = State::default();
             if free {
-                state.inverse = 1.0 / diagonal;
-                state.residual = -gradient;
+                state.inverse = (1.0 / diagonal) as f32;
+                state.residual = -gradient as f32;
             }
-            state.residual * state.residual * state.inverse
+            state.norm_squared()
         })
     }
 
@@ -87,7 +95,7 @@ impl Workspace {
     fn segment(
         &mut self,
         model: &Model,
-        damping: &[f64],
+        damping: &[f32],
         iterations: usize,
         mut norm: f64,
         goal: f64,
@@ -99,18 +107,18 @@ impl Workspace {
             let curvature = parallel::update_sum(&mut self.states, |v, state| {
                 let free = state.inverse > 0.0;
                 state.image = if free { model.product(v, direction, damping[v]) } else { 0.0 };
-                state.image * direction[v]
+                f64::from(state.image * direction[v])
             });
             if curvature <= 0.0 {
                 break;
             }
-            let length = norm / curvature;
+            let length = (norm / curvature) as f32;
             let next = parallel::update_sum(&mut self.states, |v, state| {
                 state.step += length * direction[v];
                 state.residual -= length * state.image;
-                state.residual * state.residual * state.inverse
+                state.norm_squared()
             });
-            let ratio = next / norm;
+            let ratio = (next / norm) as f32;
             norm = next;
             if norm <= goal {
                 break;
@@ -126,7 +134,7 @@ impl Workspace {
     /// Cuts the step to the room and fixes the vertices that were cut; whether there were any.
     fn cut_to(&mut self, room: &Room) -> bool {
         let cuts = parallel::update_sum(&mut self.states, |v, state| {
-            let cut = state.step.clamp(room.low[v], room.high[v]);
+            let cut = state.step.clamp(room.low[v] as f32, room.high[v] as f32);
             if cut == state.step {
                 return 0.0;
             }
@@ -136,15 +144,15 @@ impl Workspace {
         cuts > 0.0
     }
 
-    fn recompute_residual(&mut self, model: &Model, damping: &[f64]) -> f64 {
+    fn recompute_residual(&mut self, model: &Model, damping: &[f32]) -> f64 {
         let states = &self.states;
         parallel::fill(&mut self.direction, |v| states[v].step);
         let step = &self.direction;
         parallel::update_sum(&mut self.states, |v, state| {
             if state.inverse > 0.0 {
-                state.residual = -model.gradient(v) - model.product(v, step, damping[v]);
+                state.residual = -model.gradient(v) as f32 - model.product(v, step, damping[v]);
             }
-            state.residual * state.residual * state.inverse
+            state.norm_squared()
         })
     }
 }

@@ -76,6 +76,12 @@ impl Model {
         on_curve(0) + on_curve(1)
     }
 
+    /// How far vertex `v` would move from `x` to the minimum of the model if all others stayed.
+    pub(super) fn lone_step(&self, v: usize, x: f64, [low, high]: [f64; 2]) -> f64 {
+        let length = self.gradient(v) / self.diagonal(v).max(f64::MIN_POSITIVE);
+        (x - length).clamp(low, high) - x
+    }
+
     pub(super) fn gradient(&self, v: usize) -> f64 {
         self.gradient[v]
     }
@@ -86,13 +92,13 @@ impl Model {
 
     /// Entry `v` of the product of the matrix, its diagonal raised by the factor `1 + damping`, with
     /// a vector.
-    pub(super) fn product(&self, v: usize, vector: &[f64], damping: f64) -> f64 {
+    pub(super) fn product(&self, v: usize, vector: &[f32], damping: f32) -> f32 {
         let row = &self.rows[v];
         let (near, far) = (&self.near[v], &self.far[v]);
-        let mut sum = f64::from(row.diagonal) * (1.0 + damping) * vector[v];
+        let mut sum = row.diagonal * (1.0 + damping) * vector[v];
         for slot in 0..4 {
-            sum += f64::from(row.near[slot]) * vector[near[slot] as usize];
-            sum += f64::from(row.far[slot]) * vector[far[slot] as usize];
+            sum += row.near[slot] * vector[near[slot] as usize];
+            sum += row.far[slot] * vector[far[slot] as usize];
         }
         sum
     }

@@ -11,8 +11,12 @@ use crate::parallel;
 /// The most often that weights and barrier are frozen anew, if the energy has any. They settle sooner:
 /// the rounds end with the first that finds nothing to do.
 const ROUNDS: usize = 6;
-/// Steps in all rounds but the last, which runs until the stop rule is satisfied.
+/// Steps in all rounds but the last, which runs until the stop rule is satisfied; such a round also
+/// ends when a step lowers the energy by less than `EARLY_DECREASE`, unless by so little that the
+/// round may well be the last.
 const EARLY_STEPS: usize = 4;
+const EARLY_DECREASE: f64 = 0.02;
+const SETTLED: f64 = 1e-3;
 /// Chords below this part of the smallest spacing get a repair: there the linearised energy, whose
 /// derivatives grow with the inverse of the length, is worth little.
 const SHORT_CHORD: f64 = 0.2;
@@ -20,15 +24,18 @@ const SHORT_CHORD: f64 = 0.2;
 const SHARP_TURN: f64 = 0.3;
 /// Damping to start with and its limits, and how it changes where a step raised the energy and where
 /// it did not.
-const FIRST_DAMPING: f64 = 1e-3;
-const LEAST_DAMPING: f64 = 1e-9;
-const MOST_DAMPING: f64 = 1e3;
-const RAISE: f64 = 8.0;
-const LOWER: f64 = 0.3;
-/// A rise is a surprise when more than this part of it was not in the model.
-const UNEXPECTED: f64 = 0.5;
-/// A rise below this part of the energy is rounding.
-const NOISE: f64 = 1e-9;
+const FIRST_DAMPING: f32 = 1e-3;
+const LEAST_DAMPING: f32 = 1e-9;
+const MOST_DAMPING: f32 = 1e3;
+const RAISE: f32 = 8.0;
+const LOWER: f32 = 0.3;
+/// A rise against the model's expectation is damped where it is at least this part of the largest.
+const SURPRISING: f64 = 0.1;
+/// A vertex that would move farther than this if it were alone is awkward; so many sweeps over the
+/// awkward ones follow a step, if they are at most one in `FEW`.
+const LONG_LONE_STEP: f64 = 0.003;
+const AWKWARD_SWEEPS: usize = 5;
+const FEW: usize = 20;
 /// With a barrier a step covers at most this part of the way to a bound.
 const MOST_OF_THE_WAY: f64 = 0.95;
 
@@ -46,10 +53,13 @@ pub(super) fn solve(
     for round in 0..count {
         problem.freeze(x);
         let left = settings.max_iterations() - done;
-        let limit = if round + 1 < count { EARLY_STEPS.min(left) } else { left };
-        rounds.push(solver.round(problem, x, settings, limit, done, observer));
+        let early = round + 1 < count;
+        let steps = if early { EARLY_STEPS.min(left) } else { left };
+        let limits = Limits { steps, done, early };
+        rounds.push(solver.round(problem, x, settings, &limits, observer));
         done += rounds[round].energies.len() - 1;
-        let settled = rounds[round].energies.len() == 1;
+        let settled =
+            rounds[round].energies.len() <= 2 && rounds[round].status == Status::Converged;
         if rounds[round].status == Status::Cancelled || settled {
             break;
         }
@@ -57,12 +67,22 @@ pub(super) fn solve(
     rounds
 }
 
+/// Limits of one round.
+struct Limits {
+    /// The most steps to take.
+    steps: usize,
+    /// Steps taken in earlier rounds.
+    done: usize,
+    /// Whether another round follows.
+    early: bool,
+}
+
 struct Newton {
     model: Model,
     workspace: Workspace,
     /// By how much the diagonal of every vertex is raised, as a factor. It grows only where a step
     /// raised the energy, so that a few awkward places do not hold up the rest.
-    damping: Vec<f64>,
+    damping: Vec<f32>,
     /// The energy by vertex, before and after a step.
     before: Vec<f64>,
     after: Vec<f64>,
@@ -85,46 +105,51 @@ impl Newton {
         problem: &Problem,
         x: &mut Vec<f64>,
         settings: &Settings,
-        limit: usize,
-        done: usize,
+        limits: &Limits,
         observer: &mut Observer,
     ) -> Round {
         let mut energy = problem.value(x);
         let mut round = Round::new(energy);
         let tolerance = settings.tolerance();
-        for step in 0..=limit {
+        let mut decrease = f64::INFINITY;
+        for step in 0..=limits.steps {
             self.model.linearise(problem, x);
             let change = Stationarity::of(&self.model, x, problem.bounds).step_rms();
-            let progress = Progress { iteration: done + step, energy, change, tolerance };
+            let progress = Progress { iteration: limits.done + step, energy, change, tolerance };
             if observer(progress).is_break() {
                 round.status = Status::Cancelled;
                 break;
             }
-            if change <= tolerance {
+            // Smooth errors hardly move a vertex alone, so the energy has to settle too.
+            if change <= tolerance && decrease <= tolerance * energy {
                 round.status = Status::Converged;
                 break;
             }
-            if step == limit {
+            // Weights that will change anyway are not worth the last percents.
+            let enough =
+                limits.early && (SETTLED * energy..EARLY_DECREASE * energy).contains(&decrease);
+            if step == limits.steps || enough {
                 break;
             }
-            match self.step(problem, x, energy) {
-                Some(lower) => energy = lower,
-                None => {
-                    round.status = Status::Stalled;
-                    break;
-                }
-            }
+            let Some(lower) = self.step(problem, x, energy) else {
+                let stationary = change <= tolerance;
+                round.status = if stationary { Status::Converged } else { Status::Stalled };
+                break;
+            };
+            decrease = energy - lower;
+            energy = lower;
             round.energies.push(energy);
         }
         round
     }
 
-    /// One step that lowers the energy, with more damping where it rises until it does. Returns the
-    /// new energy, or nothing when no attempt helped.
+    /// One step that lowers the energy, with more damping where the model misled it until it does.
+    /// Returns the new energy, or nothing when no attempt helped.
     fn step(&mut self, problem: &Problem, x: &mut Vec<f64>, energy: f64) -> Option<f64> {
         const ATTEMPTS: usize = 8;
         const EFFORT: Effort = Effort { segment: 25, segments: 4, reduction: 1e-2 };
         let room = room(problem, x);
+        let awkward = self.awkward(problem, x);
         problem.value_by_vertex(x, &mut self.before);
         for _ in 0..ATTEMPTS {
             self.workspace.solve(&self.model, &room, &self.damping, &EFFORT);
@@ -132,60 +157,56 @@ impl Newton {
             let workspace = &self.workspace;
             let [low, high] = problem.bounds;
             parallel::fill(&mut trial, |v| (x[v] + workspace.step(v)).clamp(low, high));
-            repair(problem, &mut trial);
-            let mut lower = problem.value_by_vertex(&trial, &mut self.after);
-            let rises = self.rises(problem, x, &trial);
-            if std::env::var("LAB").is_ok() {
-                eprintln!(
-                    "    E {energy:.4} trial {lower:.4} rises {}",
-                    rises.iter().filter(|&&r| r).count()
-                );
-            }
-            let mut kept = trial.clone();
-            parallel::update(&mut kept, |v, kept| {
-                if rises[v] {
-                    *kept = x[v];
-                }
-            });
-            let value = problem.value(&kept);
-            if value < lower {
-                lower = value;
-                trial = kept;
-            }
-            let fell = lower < energy;
-            parallel::update(&mut self.damping, |v, damping| {
-                if rises[v] {
-                    *damping = (*damping * RAISE).clamp(FIRST_DAMPING, MOST_DAMPING);
-                } else if fell {
-                    *damping = (*damping * LOWER).max(LEAST_DAMPING);
-                }
-            });
-            if fell {
+            repair(problem, &mut trial, &awkward);
+            let lower = problem.value_by_vertex(&trial, &mut self.after);
+            if lower < energy {
                 *x = trial;
+                parallel::update(&mut self.damping, |_, damping| {
+                    *damping = (*damping * LOWER).max(LEAST_DAMPING);
+                });
                 return Some(lower);
             }
+            self.damp_surprises(problem, x, &trial);
         }
-        None
+        // Vertex by vertex the energy falls wherever a slope is left.
+        let mut trial = x.clone();
+        repair(problem, &mut trial, &awkward);
+        let lower = problem.value(&trial);
+        (lower < energy).then(|| {
+            *x = trial;
+            lower
+        })
     }
 
-    /// Whether the energy of a vertex and its neighbours together rose by a step although the model
-    /// did not expect it to.
-    fn rises(&self, problem: &Problem, x: &[f64], trial: &[f64]) -> Vec<bool> {
-        let mut surprise = vec![[0.0; 2]; x.len()];
-        parallel::fill(&mut surprise, |v| {
+    /// The vertices that would move far if they were alone, unless they are many: few, they sit in
+    /// thin parts where the model is worth little; many, the step takes care of them.
+    fn awkward(&self, problem: &Problem, x: &[f64]) -> Vec<u32> {
+        let far = |v: &u32| {
+            let v = *v as usize;
+            self.model.lone_step(v, x[v], problem.bounds).abs() > LONG_LONE_STEP
+        };
+        let list: Vec<u32> = (0..x.len() as u32).filter(far).collect();
+        if list.len() <= x.len() / FEW { list } else { Vec::new() }
+    }
+
+    /// Raises the damping where the energy rose most against the expectation of the model.
+    fn damp_surprises(&mut self, problem: &Problem, x: &[f64], trial: &[f64]) {
+        let mut own = vec![0.0; x.len()];
+        parallel::fill(&mut own, |v| {
             let change = self.after[v] - self.before[v];
-            let expected = self.model.expected_change(v, |u| trial[u] - x[u]);
-            [change, change - expected]
+            change - self.model.expected_change(v, |u| trial[u] - x[u])
         });
-        let mut rises = vec![false; x.len()];
-        parallel::fill(&mut rises, |v| {
+        let mut surprise = vec![0.0; x.len()];
+        parallel::fill(&mut surprise, |v| {
             let beside = (0..4).filter_map(|slot| problem.network.neighbour(v as u32, slot));
-            let [change, unexpected] = beside
-                .map(|(u, _)| surprise[u as usize])
-                .fold(surprise[v], |a, b| [a[0] + b[0], a[1] + b[1]]);
-            change > NOISE * self.before[v] && unexpected > UNEXPECTED * change
+            own[v] + beside.map(|(u, _)| own[u as usize]).sum::<f64>()
         });
-        rises
+        let most = surprise.iter().copied().fold(0.0, f64::max);
+        parallel::update(&mut self.damping, |v, damping| {
+            if surprise[v] >= SURPRISING * most {
+                *damping = (*damping * RAISE).clamp(FIRST_DAMPING, MOST_DAMPING);
+            }
+        });
     }
 }
 
@@ -199,9 +220,9 @@ fn room(problem: &Problem, x: &[f64]) -> Room {
     room
 }
 
-/// One univariate step on every vertex with a very short chord, and a scan of the grid edge of every
-/// vertex where a curve turns sharply, in order.
-fn repair(problem: &Problem, x: &mut [f64]) {
+/// One univariate step on every vertex with a very short chord, a scan of the grid edge of every
+/// vertex where a curve turns sharply, and sweeps over the awkward ones, each in order.
+fn repair(problem: &Problem, x: &mut [f64], awkward: &[u32]) {
     let lists = parallel::blocks(x.len(), 4096, |range| {
         let shape = |v: u32| (v, problem.shape_at(x, v));
         let bad = |&(_, (chord, cosine)): &(u32, (f64, f64))| {
@@ -214,5 +235,10 @@ fn repair(problem: &Problem, x: &mut [f64]) {
             univariate::scan(problem, x, v);
         }
         univariate::step(problem, x, v);
+    }
+    for _ in 0..AWKWARD_SWEEPS {
+        for &v in awkward {
+            univariate::step(problem, x, v);
+        }
     }
 }

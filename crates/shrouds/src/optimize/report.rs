@@ -84,8 +84,7 @@ impl Stationarity {
         for (v, &x) in x.iter().enumerate() {
             let gradient = model.gradient(v);
             let held = (x <= low && gradient > 0.0) || (x >= high && gradient < 0.0);
-            let length = gradient / model.diagonal(v).max(f64::MIN_POSITIVE);
-            let step = (x - length).clamp(low, high) - x;
+            let step = model.lone_step(v, x, [low, high]);
             sum.gradient_squared += if held { 0.0 } else { gradient * gradient };
             sum.step_squared += step * step;
             sum.step_max = sum.step_max.max(step.abs());
