@@ -10,7 +10,7 @@ use crate::parallel;
 
 /// The most often that weights and barrier are frozen anew, if the energy has any. They settle sooner:
 /// the rounds end with the first that finds nothing to do.
-const ROUNDS: usize = 6;
+const ROUNDS: usize = 12;
 /// Steps in all rounds but the last, which runs until the stop rule is satisfied; such a round also
 /// ends when a step lowers the energy by less than `EARLY_DECREASE`, unless by so little that the
 /// round may well be the last.
@@ -159,7 +159,7 @@ impl Newton {
             parallel::fill(&mut trial, |v| (x[v] + workspace.step(v)).clamp(low, high));
             repair(problem, &mut trial, &awkward);
             let lower = problem.value_by_vertex(&trial, &mut self.after);
-            if lower < energy {
+            if lower < energy + univariate::ROUNDING * energy.abs() {
                 *x = trial;
                 parallel::update(&mut self.damping, |_, damping| {
                     *damping = (*damping * LOWER).max(LEAST_DAMPING);

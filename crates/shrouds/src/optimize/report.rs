@@ -103,9 +103,14 @@ impl Report {
         model.linearise(problem, x);
         let stationarity = Stationarity::of(&model, x, problem.bounds);
         let [low, high] = problem.bounds;
+        let status = match rounds.last() {
+            _ if x.is_empty() => Status::Empty,
+            Some(round) => round.status,
+            None => Status::IterationLimit,
+        };
         let held = x.iter().filter(|&&x| x <= low || x >= high).count();
         Self {
-            status: rounds.last().map_or(Status::Empty, |round| round.status),
+            status,
             iterations: rounds.iter().map(|round| round.energies.len() - 1).sum(),
             energy: [problem.value(first), problem.value(x)],
             projected_gradient: stationarity.gradient_squared.sqrt(),

@@ -5,6 +5,9 @@ use crate::optimize::problem::Problem;
 /// How much shorter the next attempt is when a step raises the energy, and how often.
 const SHRINK: f64 = 0.35;
 const ATTEMPTS: usize = 4;
+/// A rise by less than this part of the energy is rounding: near a minimum the slope sees what the
+/// energy no longer does.
+pub(super) const ROUNDING: f64 = 1e-14;
 
 /// Moves vertex `v` by one Newton step along its grid edge, shortened until the energy falls.
 /// Returns how far it moved: 0 when no attempt helped.
@@ -17,7 +20,7 @@ pub(super) fn step(problem: &Problem, x: &mut [f64], v: u32) -> f64 {
     for _ in 0..ATTEMPTS {
         let new = (old + length).clamp(low, high);
         x[v as usize] = new;
-        if new != old && problem.value_around(x, v) < value {
+        if new != old && problem.value_around(x, v) < value + ROUNDING * value.abs() {
             return new - old;
         }
         length = (new - old) * SHRINK;

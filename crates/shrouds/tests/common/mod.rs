@@ -1,5 +1,5 @@
 //! Volumes that several tests share.
-#![allow(dead_code)]
+#![allow(dead_code, unreachable_pub, clippy::unwrap_used)]
 
 use proptest::prelude::*;
 use shrouds::volume::{Border, FaceRule};
