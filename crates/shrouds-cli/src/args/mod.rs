@@ -1,0 +1,75 @@
+//! What can be typed on the command line. These types stay here: [`crate::settings`] turns them into
+//! those of the libraries.
+
+mod names;
+mod shroud;
+mod values;
+mod verbs;
+mod volume;
+
+use clap::{Args, Parser, Subcommand};
+
+pub(crate) use names::{
+    Axes, Border, Energy, Faces, FrameChoice, Parameter, Solver, SurfaceKind, TriangleRule,
+};
+pub(crate) use shroud::ShroudArgs;
+pub(crate) use values::Start;
+pub(crate) use verbs::{CheckArgs, DemoArgs, InfoArgs, MeshArgs, RenderArgs, ViewArgs};
+pub(crate) use volume::VolumeArgs;
+
+/// Smooth triangle surfaces that provably keep every voxel of a segmentation on its own side.
+///
+/// Results go to files and to standard output, messages to standard error. Exit codes: 0 done,
+/// 1 could not be done, 2 the call is wrong, 3 not converged under --strict.
+#[derive(Parser)]
+#[command(name = "shrouds", version, max_term_width = 100, disable_help_subcommand = true)]
+#[command(after_help = "Begin with:\n  shrouds demo\n  shrouds mesh --help")]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) verb: Verb,
+    #[command(flatten)]
+    pub(crate) common: Common,
+}
+
+/// What every verb understands.
+#[derive(Args, Clone, Copy)]
+#[command(next_help_heading = "Everywhere")]
+pub(crate) struct Common {
+    /// Number of threads, 1 to 1024 [default: as many as the machine has]. Results are the same, bit
+    /// by bit, for any number
+    #[arg(long, global = true, value_name = "N",
+        value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
+    /// No progress, warnings or summaries: only errors, and what --json prints
+    #[arg(long, global = true)]
+    pub(crate) quiet: bool,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum Verb {
+    /// Build a phantom and shroud it: needs no input
+    #[command(after_help = verbs::DEMO_HELP)]
+    Demo(DemoArgs),
+    /// Turn a segmented volume into its shroud, a smooth triangle mesh
+    #[command(after_help = verbs::MESH_HELP)]
+    Mesh(MeshArgs),
+    /// Certify a mesh, of any origin, against its volume
+    #[command(after_help = verbs::CHECK_HELP)]
+    Check(CheckArgs),
+    /// Tell what a volume or mesh file holds
+    #[command(after_help = verbs::INFO_HELP)]
+    Info(InfoArgs),
+    /// Draw a mesh, or the shroud of a volume, into a PNG file
+    #[command(after_help = verbs::RENDER_HELP)]
+    Render(RenderArgs),
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_definitions_hold_together() {
+        super::Cli::command().debug_assert();
+    }
+}

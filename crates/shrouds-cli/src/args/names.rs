@@ -1,0 +1,98 @@
+//! Named choices. The names are the same on the command line and in the report.
+
+use clap::ValueEnum;
+use serde::Serialize;
+
+/// What the curves minimise.
+#[derive(ValueEnum, Serialize, Debug, Clone, Copy, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Energy {
+    /// Squared change of direction per length: zero on straight lines
+    Bending,
+    /// Squared curvature of local quadratics, equation 6 of the paper
+    Curvature,
+    /// Squared second derivative of local quadratics, equation 7 of the paper
+    Linear,
+}
+
+/// Where the middle one of three vertices lies on the local quadratic.
+#[derive(ValueEnum, Serialize, Debug, Clone, Copy, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Parameter {
+    /// Half-way
+    Uniform,
+    /// By the lengths of the two chords
+    Chord,
+    /// By the square roots of those lengths
+    Centripetal,
+}
+
+/// How the minimum is sought.
+#[derive(ValueEnum, Serialize, Debug, Clone, Copy, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Solver {
+    /// Gauss-Newton on all vertices at once
+    Newton,
+    /// The paper's method, one vertex after the other: slow
+    Sweeps,
+}
+
+/// How a cell face with two inside corners on one diagonal is cut.
+#[derive(ValueEnum, Serialize, Debug, Clone, Copy, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Faces {
+    /// Keep the inside corners apart (6-connected inside)
+    Separate,
+    /// Join the inside corners (18-connected inside)
+    Join,
+}
+
+/// What lies beyond the volume.
+#[derive(ValueEnum, Serialize, Debug, Clone, Copy, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Border {
+    /// Outside: the surface closes over the border
+    Closed,
+    /// Nothing: the surface ends at the outermost voxel centres
+    Open,
+}
+
+/// Which mesh stands for the surface.
+#[derive(ValueEnum, Serialize, Debug, Clone, Copy, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum SurfaceKind {
+    /// One vertex per grid edge crossed; slice curves are mesh edges
+    Primal,
+    /// One vertex per cell patch: no small angles, for simulation and print. Needs --border closed
+    Dual,
+}
+
+/// How patches are cut into triangles.
+#[derive(ValueEnum, Serialize, Debug, Clone, Copy, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum TriangleRule {
+    /// To fit the normals of the curves best
+    Fitted,
+    /// The same for every position of the vertices
+    Fixed,
+}
+
+/// Coordinates of a mesh.
+#[derive(ValueEnum, Serialize, Debug, Clone, Copy, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum FrameChoice {
+    /// Those of the file, in its unit of length
+    World,
+    /// Voxel indices along x, y, z
+    Index,
+}
+
+/// Order of the axes of an NPY array.
+#[derive(ValueEnum, Serialize, Debug, Clone, Copy, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Axes {
+    /// Indexed `[z, y, x]`
+    Zyx,
+    /// Indexed `[x, y, z]`
+    Xyz,
+}

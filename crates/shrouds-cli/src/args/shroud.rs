@@ -1,0 +1,58 @@
+//! How a shroud is made.
+
+use clap::Args;
+
+use crate::args::values::{self, Start};
+use crate::args::{
+    Border, Energy, Faces, FrameChoice, Parameter, Solver, SurfaceKind, TriangleRule,
+};
+
+#[derive(Args)]
+#[command(next_help_heading = "Surface")]
+pub(crate) struct ShroudArgs {
+    /// What the slice curves minimise
+    #[arg(long, value_enum, default_value_t = Energy::Bending)]
+    pub(crate) energy: Energy,
+    /// Parameter of the local quadratics; not for --energy bending, which has none [default: chord
+    /// for curvature, uniform for linear]
+    #[arg(long, value_enum)]
+    pub(crate) parameter: Option<Parameter>,
+    /// How the minimum is sought
+    #[arg(long, value_enum, default_value_t = Solver::Newton)]
+    pub(crate) solver: Solver,
+    /// When to stop, above 0 and below 1. newton: root mean square of the remaining step, in voxels
+    /// [default: 1e-4]; sweeps: relative change in one sweep [default: 1e-6]
+    #[arg(long, value_name = "X", value_parser = values::fraction)]
+    pub(crate) tolerance: Option<f64>,
+    /// Most steps or sweeps, 0 to leave the start as it is [default: 100 steps, 1000 sweeps]
+    #[arg(long, value_name = "N")]
+    pub(crate) max_iterations: Option<u32>,
+    /// Where the vertices start: blur (the blurred volume), midpoint (the middle of the grid edges)
+    /// or random:SEED
+    #[arg(long, default_value_t = Start::Blur)]
+    pub(crate) start: Start,
+    /// How ambiguous cell faces are cut
+    #[arg(long, value_enum, default_value_t = Faces::Separate)]
+    pub(crate) faces: Faces,
+    /// What lies beyond the volume
+    #[arg(long, value_enum, default_value_t = Border::Closed)]
+    pub(crate) border: Border,
+    /// Which mesh to make
+    #[arg(long, value_enum, default_value_t = SurfaceKind::Primal)]
+    pub(crate) surface: SurfaceKind,
+    /// How patches are cut into triangles
+    #[arg(long, value_enum, default_value_t = TriangleRule::Fitted)]
+    pub(crate) triangles: TriangleRule,
+    /// Exit with code 3 when the optimisation does not converge; files are still written
+    #[arg(long)]
+    pub(crate) strict: bool,
+}
+
+/// The coordinates of the mesh that is written or checked.
+#[derive(Args, Clone, Copy)]
+#[command(next_help_heading = "Surface")]
+pub(crate) struct FrameArgs {
+    /// Coordinates of the mesh
+    #[arg(long, value_enum, default_value_t = FrameChoice::World)]
+    pub(crate) frame: FrameChoice,
+}

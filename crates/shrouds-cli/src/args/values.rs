@@ -1,0 +1,114 @@
+//! Values that need more than a number to be read.
+
+use std::str::FromStr;
+
+use serde::{Serialize, Serializer};
+
+/// Where the vertices start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Start {
+    Blur,
+    Midpoint,
+    Random(u64),
+}
+
+impl FromStr for Start {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let seed = |seed: &str| seed.parse().map_err(|_| format!("the seed '{seed}' is no number"));
+        match text.split_once(':') {
+            None if text == "blur" => Ok(Self::Blur),
+            None if text == "midpoint" => Ok(Self::Midpoint),
+            Some(("random", text)) => Ok(Self::Random(seed(text)?)),
+            _ => Err("give blur, midpoint or random:SEED with a whole number".into()),
+        }
+    }
+}
+
+impl std::fmt::Display for Start {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Blur => write!(f, "blur"),
+            Self::Midpoint => write!(f, "midpoint"),
+            Self::Random(seed) => write!(f, "random:{seed}"),
+        }
+    }
+}
+
+impl Serialize for Start {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+/// Three positive lengths.
+pub(crate) fn spacing(text: &str) -> Result<[f64; 3], String> {
+    let advice = "give three positive numbers along x, y, z, such as 1,1,2.5";
+    let numbers: Option<Vec<f64>> = text.split(',').map(|part| number(part.trim())).collect();
+    let numbers: Option<[f64; 3]> = numbers.and_then(|numbers| numbers.try_into().ok());
+    numbers.filter(|numbers| numbers.iter().all(|x| *x > 0.0)).ok_or_else(|| advice.into())
+}
+
+/// A number that is no infinity.
+pub(crate) fn finite(text: &str) -> Result<f64, String> {
+    number(text).ok_or_else(|| "give a number".into())
+}
+
+/// A number above 0.
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
+    number(text).filter(|x| *x > 0.0).ok_or_else(|| "give a number above 0".into())
+}
+
+/// A number above 0 and below 1.
+pub(crate) fn fraction(text: &str) -> Result<f64, String> {
+    let inside = number(text).filter(|x| *x > 0.0 && *x < 1.0);
+    inside.ok_or_else(|| "give a number above 0 and below 1".into())
+}
+
+/// An angle above the horizon.
+pub(crate) fn elevation(text: &str) -> Result<f64, String> {
+    let inside = number(text).filter(|x| x.abs() <= 90.0);
+    inside.ok_or_else(|| "give degrees between -90 and 90".into())
+}
+
+/// A field of view.
+pub(crate) fn field_of_view(text: &str) -> Result<f64, String> {
+    let inside = number(text).filter(|x| (1.0..=120.0).contains(x));
+    inside.ok_or_else(|| "give degrees between 1 and 120".into())
+}
+
+/// Red, green and blue as six hexadecimal digits.
+pub(crate) fn colour(text: &str) -> Result<[u8; 3], String> {
+    let digits = text.strip_prefix('#').unwrap_or(text);
+    let whole = digits.len() == 6 && digits.bytes().all(|b| b.is_ascii_hexdigit());
+    let value = whole.then(|| u32::from_str_radix(digits, 16).ok()).flatten();
+    let [_, rgb @ ..] = value.ok_or("give six hexadecimal digits, such as DEB880")?.to_be_bytes();
+    Ok(rgb)
+}
+
+fn number(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|x: &f64| x.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_read_or_refused() {
+        assert_eq!("random:7".parse(), Ok(Start::Random(7)));
+        assert_eq!("random:7".parse::<Start>().unwrap().to_string(), "random:7");
+        assert_eq!(spacing("1, 2,.5"), Ok([1.0, 2.0, 0.5]));
+        assert_eq!(colour("#ff8000"), Ok([255, 128, 0]));
+        assert!(
+            ["random", "random:", "random:-1", "blur:1"]
+                .iter()
+                .all(|s| s.parse::<Start>().is_err())
+        );
+        assert!(["1,2", "1,2,0", "1,2,-3", "1,2,inf", "a"].iter().all(|s| spacing(s).is_err()));
+        assert!(["ff80", "+f8000", "gg0000"].iter().all(|s| colour(s).is_err()));
+        assert!(["0", "1", "nan"].iter().all(|s| fraction(s).is_err()));
+        assert!(finite("nan").is_err() && positive("0").is_err() && elevation("91").is_err());
+    }
+}

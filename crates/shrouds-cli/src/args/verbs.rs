@@ -1,0 +1,174 @@
+//! The arguments of each verb.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::args::shroud::FrameArgs;
+use crate::args::{Border, Faces, ShroudArgs, VolumeArgs, values};
+
+pub(crate) const DEMO_HELP: &str = "\
+Phantoms: tori, ball, ellipsoid, box, gyroid, letters (or letters:TEXT), point, rod, plate, noise
+
+Example, a larger gyroid into a folder of its own:
+  shrouds demo gyroid --size 128 --output gyroid";
+
+pub(crate) const MESH_HELP: &str = "\
+Volumes: .npy, .nii, .nii.gz, .nrrd. Meshes: .ply, .stl, .obj.
+
+Example, the liver (label 6) of a segmentation, with a picture and the report:
+  shrouds mesh organs.nii.gz --label 6 -o liver.ply --picture liver.png --report liver.json";
+
+pub(crate) const CHECK_HELP: &str = "\
+Exit code 0 means certified, 1 that something is wrong.
+
+Example:
+  shrouds check liver.ply --volume organs.nii.gz --label 6";
+
+pub(crate) const INFO_HELP: &str = "\
+Volumes: .npy, .nii, .nii.gz, .nrrd. Meshes: .ply, .stl, .obj.
+
+Example:
+  shrouds info organs.nii.gz";
+
+pub(crate) const RENDER_HELP: &str = "\
+The options of volume and surface are for volumes only.
+
+Example, the slice curves on the shroud of a small volume, from the upper right:
+  shrouds render organs.nii.gz --label 6 --network --azimuth 30 --elevation 40 -o liver.png";
+
+#[derive(Args)]
+pub(crate) struct DemoArgs {
+    /// Name of the phantom, see below
+    #[arg(default_value = "tori")]
+    pub(crate) name: String,
+    /// Voxels along each side of the volume, 1 to 2048
+    #[arg(long, default_value_t = 64, value_name = "N",
+        value_parser = clap::value_parser!(u16).range(1..=2048))]
+    pub(crate) size: u16,
+    /// Folder for mesh.ply, picture.png, report.json and volume.npy; made if need be
+    #[arg(long, value_name = "DIR", default_value = "shrouds-demo")]
+    pub(crate) output: PathBuf,
+    /// Print the report to standard output, and nothing else there
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) shroud: ShroudArgs,
+    #[command(flatten)]
+    pub(crate) frame: FrameArgs,
+}
+
+#[derive(Args)]
+pub(crate) struct MeshArgs {
+    /// The volume file: .npy, .nii, .nii.gz or .nrrd
+    pub(crate) input: PathBuf,
+    /// The mesh file to write: .ply, .stl or .obj
+    #[arg(short, long, value_name = "MESH")]
+    pub(crate) output: PathBuf,
+    /// Also write the report (JSON)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) report: Option<PathBuf>,
+    /// Also draw a picture (PNG)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) picture: Option<PathBuf>,
+    /// Print the report to standard output, and nothing else there
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) volume: VolumeArgs,
+    #[command(flatten)]
+    pub(crate) shroud: ShroudArgs,
+    #[command(flatten)]
+    pub(crate) frame: FrameArgs,
+}
+
+#[derive(Args)]
+pub(crate) struct CheckArgs {
+    /// The mesh file: .ply, .stl or .obj
+    pub(crate) mesh: PathBuf,
+    /// The volume file it is to be the surface of: .npy, .nii, .nii.gz or .nrrd
+    #[arg(long, value_name = "FILE")]
+    pub(crate) volume: PathBuf,
+    /// How the mesh should pass through ambiguous cell faces: decides the expected topology
+    #[arg(long, value_enum, default_value_t = Faces::Separate)]
+    pub(crate) faces: Faces,
+    /// Where the mesh may end
+    #[arg(long, value_enum, default_value_t = Border::Closed)]
+    pub(crate) border: Border,
+    /// Follow the voxel rows along y and z too: finds more on meshes with holes
+    #[arg(long)]
+    pub(crate) all_axes: bool,
+    /// Print the certificate as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) frame: FrameArgs,
+    #[command(flatten)]
+    pub(crate) selection: VolumeArgs,
+}
+
+#[derive(Args)]
+pub(crate) struct InfoArgs {
+    /// The volume or mesh file
+    pub(crate) file: PathBuf,
+    /// Print everything as JSON, all labels included
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) volume: VolumeArgs,
+}
+
+#[derive(Args)]
+pub(crate) struct RenderArgs {
+    /// A mesh file, or a volume file, which is shrouded first
+    pub(crate) input: PathBuf,
+    /// The picture to write: .png
+    #[arg(short, long, value_name = "PNG")]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) view: ViewArgs,
+    /// Draw the slice curves: across x red, across y white, across z blue; for volumes only, with
+    /// --surface primal
+    #[arg(long, help_heading = "Picture")]
+    pub(crate) network: bool,
+    #[command(flatten)]
+    pub(crate) volume: VolumeArgs,
+    #[command(flatten)]
+    pub(crate) shroud: ShroudArgs,
+}
+
+/// How a picture looks.
+#[derive(Args)]
+#[command(next_help_heading = "Picture")]
+pub(crate) struct ViewArgs {
+    /// Pixels across, 1 to 32768
+    #[arg(long, default_value_t = 1200, value_name = "PIXELS",
+        value_parser = clap::value_parser!(u32).range(1..=32768))]
+    pub(crate) width: u32,
+    /// Pixels down, 1 to 32768
+    #[arg(long, default_value_t = 900, value_name = "PIXELS",
+        value_parser = clap::value_parser!(u32).range(1..=32768))]
+    pub(crate) height: u32,
+    /// Direction of the viewer around the z axis in degrees, 0 on +x and 90 on +y
+    #[arg(long, default_value_t = -60.0, value_name = "DEGREES", allow_negative_numbers = true,
+        value_parser = values::finite)]
+    pub(crate) azimuth: f64,
+    /// Height of the viewer above the horizon in degrees, -90 to 90
+    #[arg(long, default_value_t = 30.0, value_name = "DEGREES", allow_negative_numbers = true,
+        value_parser = values::elevation)]
+    pub(crate) elevation: f64,
+    /// Magnification, above 0; 1 fits the picture
+    #[arg(long, default_value_t = 1.0, value_name = "FACTOR", value_parser = values::positive)]
+    pub(crate) zoom: f64,
+    /// Perspective, with a field of view of 40 degrees or of the number given, 1 to 120 [default:
+    /// parallel rays]
+    #[arg(long, value_name = "DEGREES", num_args = 0..=1, require_equals = true,
+        default_missing_value = "40", value_parser = values::field_of_view)]
+    pub(crate) perspective: Option<f64>,
+    /// Blend the light across triangles instead of showing each one flat
+    #[arg(long)]
+    pub(crate) smooth: bool,
+    /// Colour of the outer side
+    #[arg(long, default_value = "DEB880", value_name = "RRGGBB", value_parser = values::colour)]
+    pub(crate) colour: [u8; 3],
+}

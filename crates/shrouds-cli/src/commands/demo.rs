@@ -1,0 +1,147 @@
+//! `shrouds demo`: a phantom, its shroud, a picture and the numbers.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use shrouds::volume::phantom::{Phantom, named};
+use shrouds_io::{Frame, write_npy};
+
+use crate::args::DemoArgs;
+use crate::console::{Console, grouped, number, print_json};
+use crate::failure::Failure;
+use crate::input::Source;
+use crate::output::check_targets;
+use crate::progress::Progress;
+use crate::report::Report;
+use crate::settings::Job;
+use crate::work::{Outputs, produce};
+
+/// The files of a demo, in their folder.
+struct Files {
+    volume: PathBuf,
+    mesh: PathBuf,
+    picture: PathBuf,
+    report: PathBuf,
+}
+
+pub(crate) fn run(args: &DemoArgs, console: Console) -> Result<(), Failure> {
+    let start = Instant::now();
+    let job = Job::new(&args.shroud, args.frame.frame)?;
+    let progress = Progress::new(console.quiet);
+    progress.stage("building the phantom");
+    let phantom = named(&args.name, args.size.into())?;
+    let files = Files::in_folder(&args.output)?;
+    let source = source(phantom, &files.volume, start)?;
+    write_npy(&files.volume, &source.occupancy)?;
+    let outputs =
+        Outputs { mesh: &files.mesh, picture: Some(&files.picture), report: Some(&files.report) };
+    let done = produce(&source, &job, &outputs, start, console, &progress)?;
+    drop(progress);
+    if args.json {
+        print_json(&done.report)?;
+    } else {
+        console.result(&numbers(&args.name, &done.report))?;
+        console.result(&files.list())?;
+    }
+    done.verdict(&job, console)
+}
+
+impl Files {
+    /// Makes the folder and finds out whether the files can appear in it.
+    fn in_folder(folder: &Path) -> Result<Self, Failure> {
+        fs::create_dir_all(folder).map_err(|cause| {
+            let folder = folder.display();
+            Failure::Undone(format!(
+                "{folder}: cannot make this folder ({cause}); give another with --output"
+            ))
+        })?;
+        let files = Self {
+            volume: folder.join("volume.npy"),
+            mesh: folder.join("mesh.ply"),
+            picture: folder.join("picture.png"),
+            report: folder.join("report.json"),
+        };
+        let Self { volume, mesh, picture, report } = &files;
+        check_targets(&[volume, mesh, picture, report], &[])?;
+        Ok(files)
+    }
+
+    fn list(&self) -> String {
+        let Self { volume, mesh, picture, report } = self;
+        let about = [
+            (picture, "look at it first"),
+            (mesh, "the surface"),
+            (report, "these numbers and more"),
+            (volume, "the voxels: try `shrouds mesh` on them"),
+        ];
+        let width = about.iter().map(|(path, _)| path.display().to_string().chars().count()).max();
+        let width = width.unwrap_or(0);
+        let lines =
+            about.map(|(path, about)| format!("  {:<width$}  {about}", path.display().to_string()));
+        format!("\nFiles\n{}", lines.join("\n"))
+    }
+}
+
+fn source(phantom: Phantom, path: &Path, start: Instant) -> Result<Source, Failure> {
+    let Phantom { name, volume, true_volume, true_area } = phantom;
+    if volume.count() == 0 {
+        return Err(Failure::Undone(format!(
+            "the phantom {name} has no voxel inside at this size; raise --size"
+        )));
+    }
+    Ok(Source {
+        path: path.into(),
+        selection: "all but 0".into(),
+        occupancy: volume,
+        frame: Frame { name: "index".into(), unit: "unknown".into(), source: "phantom" },
+        truth: [true_volume, true_area],
+        seconds: start.elapsed().as_secs_f64(),
+    })
+}
+
+/// The numbers as a table for people.
+fn numbers(name: &str, report: &Report) -> String {
+    let Report { input, topology, solver, geometry, checks, times, .. } = report;
+    let [nx, ny, nz] = input.dims;
+    let points = grouped((nx * ny * nz) as u64);
+    let against = |value: f64, truth: Option<f64>| match truth {
+        Some(truth) => {
+            let error = 100.0 * (value / truth - 1.0);
+            format!("{}  (truth {}: {error:+.2} %)", number(value), number(truth))
+        }
+        None => number(value),
+    };
+    let rows = [
+        ("voxels", format!("{} inside, of {nx} × {ny} × {nz}", grouped(input.inside))),
+        (
+            "surface",
+            format!(
+                "{} vertices, {} triangles, {}",
+                grouped(topology.vertices as u64),
+                grouped(topology.triangles as u64),
+                plural(topology.components, "component"),
+            ),
+        ),
+        ("volume", against(geometry.volume, geometry.true_volume)),
+        ("area", against(geometry.area, geometry.true_area)),
+        (
+            "energy",
+            format!(
+                "{} at the start, {} in the end: {} after {}",
+                number(solver.energy.first),
+                number(solver.energy.last),
+                solver.status,
+                plural(solver.iterations, "iteration"),
+            ),
+        ),
+        ("wrong side", format!("{} of {points} voxels", checks.wrong_side)),
+        ("time", format!("{:.2} s, of which {:.2} s to optimise", times.total, times.optimize)),
+    ];
+    let lines = rows.map(|(key, value)| format!("  {key:<11}{value}"));
+    format!("Shroud of the phantom '{name}'\n{}", lines.join("\n"))
+}
+
+fn plural(count: usize, noun: &str) -> String {
+    format!("{} {noun}{}", grouped(count as u64), if count == 1 { "" } else { "s" })
+}

@@ -1,0 +1,23 @@
+//! What each verb does.
+
+mod check;
+mod demo;
+mod info;
+mod mesh;
+mod render;
+
+use crate::args::{Cli, Verb};
+use crate::console::Console;
+use crate::failure::Failure;
+
+/// Runs the verb that was called.
+pub(crate) fn run(cli: &Cli) -> Result<(), Failure> {
+    let console = Console { quiet: cli.common.quiet };
+    match &cli.verb {
+        Verb::Demo(args) => demo::run(args, console),
+        Verb::Mesh(args) => mesh::run(args, console),
+        Verb::Check(args) => check::run(args, console),
+        Verb::Info(args) => info::run(args, console),
+        Verb::Render(args) => render::run(args, console),
+    }
+}

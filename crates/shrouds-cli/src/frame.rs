@@ -1,0 +1,113 @@
+//! In which coordinates a mesh goes out, and with how many digits.
+
+use shrouds::{Grid, TriMesh};
+use shrouds_io::{Frame, MeshFormat, MeshOptions, Precision};
+
+use crate::args::FrameChoice;
+
+/// Rounding may move a vertex by this part of the smallest spacing: a twentieth of the distance that
+/// vertices keep from lattice points.
+const ROUNDING: f64 = 1e-4;
+/// Largest relative error of rounding to 32 bits.
+const SINGLE: f64 = 1.0 / (1 << 24) as f64;
+
+/// The mesh in voxel indices, normals still pointing out.
+pub(crate) fn to_index(mesh: &mut TriMesh, grid: &Grid) {
+    let inverse = grid.inverse_affine();
+    for vertex in &mut mesh.vertices {
+        let p = *vertex;
+        *vertex = inverse.map(|row| row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3]);
+    }
+    // Normals are covectors: they go by the transpose of the map from index to world.
+    let a = grid.affine();
+    for normal in &mut mesh.normals {
+        let n = *normal;
+        let turned = [0, 1, 2].map(|c| a[0][c] * n[0] + a[1][c] * n[1] + a[2][c] * n[2]);
+        let length = turned.iter().map(|x| x * x).sum::<f64>().sqrt();
+        *normal = if length > 0.0 { turned.map(|x| x / length) } else { turned };
+    }
+    if grid.is_mirrored() {
+        mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    }
+}
+
+/// The frame that the file of the mesh names.
+pub(crate) fn name(choice: FrameChoice, world: &Frame) -> Frame {
+    match choice {
+        FrameChoice::World => world.clone(),
+        FrameChoice::Index => {
+            Frame { name: "index".into(), unit: "voxel".into(), source: "options" }
+        }
+    }
+}
+
+/// How to write a mesh whose lattice has this smallest spacing, and a warning where the format has
+/// too few digits.
+pub(crate) fn mesh_options(
+    mesh: &TriMesh,
+    format: MeshFormat,
+    frame: Frame,
+    min_spacing: f64,
+) -> (MeshOptions, Option<String>) {
+    let largest = mesh.vertices.iter().flatten().fold(0.0, |max: f64, x| max.max(x.abs()));
+    let error = largest * SINGLE;
+    let coarse = error > ROUNDING * min_spacing;
+    let warning = (coarse && format == MeshFormat::Stl).then(|| {
+        format!(
+            "STL has 32 bits a coordinate, which moves vertices by up to {error:.1e} {} this far from the origin: voxels may change sides; write .ply or .obj instead, or --frame index",
+            if frame.unit == "unknown" { "units" } else { &frame.unit }
+        )
+    });
+    let precision = if coarse { Precision::Double } else { Precision::Single };
+    (MeshOptions { precision, frame: Some(frame) }, warning)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn index_coordinates_keep_normals_outside() {
+        let affine = [[0.0, -2.0, 0.3, 5.0], [1.5, 0.2, 0.0, -7.0], [0.1, 0.0, -0.5, 3.0]];
+        for mirror in [1.0, -1.0] {
+            let affine = affine.map(|[a, b, c, d]| [a * mirror, b, c, d]);
+            let grid = Grid::with_affine([4; 3], affine).unwrap();
+            let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+            let mut triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+            if grid.is_mirrored() {
+                triangles.iter_mut().for_each(|t| t.swap(1, 2));
+            }
+            let vertices = corners.map(|c| grid.point(c)).to_vec();
+            // The normal of the slanted side x + y + z = 1, in the world.
+            let [p, q, r] = [1, 2, 3].map(|v: usize| vertices[v]);
+            let [u, v]: [[f64; 3]; 2] = [q, r].map(|x| std::array::from_fn(|k| x[k] - p[k]));
+            let sign = if grid.is_mirrored() { -1.0 } else { 1.0 };
+            let normal = [
+                sign * (u[1] * v[2] - u[2] * v[1]),
+                sign * (u[2] * v[0] - u[0] * v[2]),
+                sign * (u[0] * v[1] - u[1] * v[0]),
+            ];
+            let mut mesh = TriMesh { vertices, triangles, normals: vec![normal; 4] };
+            assert!(mesh.volume() > 0.0);
+            to_index(&mut mesh, &grid);
+            for (vertex, corner) in mesh.vertices.iter().flatten().zip(corners.iter().flatten()) {
+                assert!((vertex - corner).abs() < 1e-12);
+            }
+            assert!((mesh.volume() - 1.0 / 6.0).abs() < 1e-12);
+            let third = 1.0 / 3f64.sqrt();
+            assert!(mesh.normals[0].iter().all(|x| (x - third).abs() < 1e-12), "{mirror}");
+        }
+    }
+
+    #[test]
+    fn digits_follow_the_distance_from_the_origin() {
+        let at = |x: f64| TriMesh { vertices: vec![[0.0, -x, 0.0]], ..TriMesh::default() };
+        let frame = Frame { name: "RAS".into(), unit: "mm".into(), source: "options" };
+        let options = |x, format| mesh_options(&at(x), format, frame.clone(), 1.0);
+        let (near, warning) = options(1000.0, MeshFormat::Stl);
+        assert_eq!((near.precision, warning), (Precision::Single, None));
+        let (far, warning) = options(2000.0, MeshFormat::Ply);
+        assert_eq!((far.precision, warning), (Precision::Double, None));
+        assert!(options(2000.0, MeshFormat::Stl).1.is_some_and(|text| text.contains(" mm ")));
+    }
+}

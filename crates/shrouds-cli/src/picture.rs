@@ -1,0 +1,67 @@
+//! Pictures of meshes, with the slice curves if wanted.
+
+use shrouds::{Shroud, TriMesh};
+use shrouds_view::{Camera, Colours, LineSet, Picture, Projection, Scene, Shading, Style};
+
+use crate::args::ViewArgs;
+use crate::failure::Failure;
+
+/// Curves across x, y, z, as the paper colours them.
+const RED_WHITE_BLUE: [[u8; 3]; 3] = [[196, 30, 36], [255, 255, 255], [30, 60, 170]];
+
+/// From where and how.
+pub(crate) struct View {
+    camera: Camera,
+    style: Style,
+    colour: Option<[u8; 3]>,
+}
+
+impl View {
+    /// What looks well without being asked for.
+    pub(crate) fn usual() -> Self {
+        Self { camera: Camera::default(), style: Style::default(), colour: None }
+    }
+
+    pub(crate) fn new(args: &ViewArgs) -> Self {
+        let projection = match args.perspective {
+            Some(angle) => Projection::Perspective { angle },
+            None => Projection::Orthographic,
+        };
+        let camera = Camera {
+            azimuth: args.azimuth,
+            elevation: args.elevation,
+            zoom: args.zoom,
+            projection,
+            ..Camera::default()
+        };
+        let shading = if args.smooth { Shading::Smooth } else { Shading::Flat };
+        let style = Style { width: args.width, height: args.height, shading, ..Style::default() };
+        Self { camera, style, colour: Some(args.colour) }
+    }
+
+    /// Draws the mesh and the lines on it.
+    pub(crate) fn draw(&self, mesh: &TriMesh, lines: &[LineSet]) -> Result<Picture, Failure> {
+        let mut scene = Scene::new(mesh);
+        if let Some(colour) = self.colour {
+            scene = scene.colours(Colours::One(colour));
+        }
+        let scene = lines.iter().fold(scene, Scene::lines);
+        Ok(Picture::draw(&scene, &self.camera, &self.style)?)
+    }
+}
+
+/// The planar curves of a shroud with a primal mesh: one set of lines for each axis.
+pub(crate) fn network_lines(shroud: &Shroud) -> Vec<LineSet> {
+    let mut lines: Vec<LineSet> =
+        RED_WHITE_BLUE.map(|colour| LineSet::new(Vec::new(), colour)).into();
+    let vertices = &shroud.mesh.vertices;
+    for curve in shroud.network.curves() {
+        let count = curve.vertices.len();
+        let segments = if curve.closed { count } else { count.saturating_sub(1) };
+        lines[curve.axis].segments.extend(
+            (0..segments)
+                .map(|n| [n, (n + 1) % count].map(|n| vertices[curve.vertices[n] as usize])),
+        );
+    }
+    lines
+}

@@ -1,0 +1,75 @@
+//! What goes on, shown on a terminal when it takes more than a second.
+
+use std::io::{IsTerminal, stderr};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::thread::{JoinHandle, spawn};
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use shrouds::optimize;
+
+/// Work shorter than this shows nothing.
+const PATIENCE: Duration = Duration::from_secs(1);
+const TICK: Duration = Duration::from_millis(100);
+
+/// A line that tells what goes on; it disappears when dropped.
+pub(crate) struct Progress {
+    bar: ProgressBar,
+    waiter: Option<(Sender<()>, JoinHandle<()>)>,
+}
+
+impl Progress {
+    /// Hidden for ever when quiet or when nobody watches.
+    pub(crate) fn new(quiet: bool) -> Self {
+        let bar = ProgressBar::hidden();
+        let watched = !quiet && stderr().is_terminal();
+        let waiter = watched.then(|| {
+            let (stop, stopped) = channel();
+            let bar = bar.clone();
+            let show = move || {
+                if stopped.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
+                    bar.set_draw_target(ProgressDrawTarget::stderr());
+                    bar.enable_steady_tick(TICK);
+                }
+            };
+            (stop, spawn(show))
+        });
+        Self { bar, waiter }
+    }
+
+    /// What is being done now.
+    pub(crate) fn stage(&self, what: &str) {
+        self.bar.set_style(ProgressStyle::default_spinner());
+        self.bar.set_message(what.to_owned());
+    }
+
+    /// How much of a file is read; it has no bytes where its length is not known.
+    pub(crate) fn read(&self, done: u64, bytes: u64) {
+        if bytes > 0 && self.bar.length() != Some(bytes) {
+            let template = "{spinner} reading [{wide_bar}] {bytes} of {total_bytes}";
+            if let Ok(style) = ProgressStyle::with_template(template) {
+                self.bar.set_style(style.progress_chars("=> "));
+            }
+            self.bar.set_length(bytes);
+        }
+        self.bar.set_position(done);
+    }
+
+    /// How far the optimisation has come.
+    pub(crate) fn optimize(&self, progress: optimize::Progress) {
+        let optimize::Progress { iteration, change, tolerance, .. } = progress;
+        self.bar.set_message(format!(
+            "optimizing: iteration {iteration}, change {change:.1e}, until {tolerance:.0e}"
+        ));
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let Some((stop, waiter)) = self.waiter.take() {
+            drop(stop);
+            let _ = waiter.join();
+        }
+        self.bar.finish_and_clear();
+    }
+}
