@@ -1,0 +1,9 @@
+//! The real program, run on files: what it writes, says and returns.
+
+mod common;
+
+mod bad_calls;
+mod bad_input;
+mod check;
+mod mesh;
+mod verbs;
