@@ -56,7 +56,8 @@ fn verdict(args: &CheckArgs, report: &CheckReport) -> Result<(), Failure> {
         more => format!(" (and {more} more problems)"),
     };
     Err(Failure::Undone(format!(
-        "{} does not separate the voxels of {} as it should: {first}{more}; see that selection, --frame, --border and --faces are those the mesh was made with",
+        "{} does not separate the voxels of {} as it should: {first}{more}; \
+         see that selection, --frame, --border and --faces are those the mesh was made with",
         args.mesh.display(),
         args.volume.display()
     )))

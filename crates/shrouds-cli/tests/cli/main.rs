@@ -1,5 +1,8 @@
 //! The real program, run on files: what it writes, says and returns.
 
+// The helpers are tests too.
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 mod bad_calls;
