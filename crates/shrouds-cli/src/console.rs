@@ -69,6 +69,11 @@ pub(crate) fn grouped(number: impl Into<u128>) -> String {
     text
 }
 
+/// So many of something.
+pub(crate) fn plural(count: usize, noun: &str) -> String {
+    format!("{} {noun}{}", grouped(count as u64), if count == 1 { "" } else { "s" })
+}
+
 /// A number with about six significant digits and no exponent where it can be helped.
 pub(crate) fn number(x: f64) -> String {
     if x != 0.0 && !(1e-4..1e9).contains(&x.abs()) {

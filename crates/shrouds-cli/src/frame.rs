@@ -54,7 +54,8 @@ pub(crate) fn mesh_options(
     let coarse = error > ROUNDING * min_spacing;
     let warning = (coarse && format == MeshFormat::Stl).then(|| {
         format!(
-            "STL has 32 bits a coordinate, which moves vertices by up to {error:.1e} {} this far from the origin: voxels may change sides; write .ply or .obj instead, or --frame index",
+            "STL has 32 bits a coordinate, which moves vertices by up to {error:.1e} {} this far from \
+             the origin: voxels may change sides; write .ply or .obj instead, or --frame index",
             if frame.unit == "unknown" { "units" } else { &frame.unit }
         )
     });

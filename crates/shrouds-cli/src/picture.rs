@@ -3,11 +3,15 @@
 use shrouds::{Shroud, TriMesh};
 use shrouds_view::{Camera, Colours, LineSet, Picture, Projection, Scene, Shading, Style};
 
-use crate::args::ViewArgs;
+use crate::args::{AZIMUTH, ELEVATION, ViewArgs};
 use crate::failure::Failure;
 
 /// Curves across x, y, z, as the paper colours them.
 const RED_WHITE_BLUE: [[u8; 3]; 3] = [[196, 30, 36], [255, 255, 255], [30, 60, 170]];
+
+/// Why there are no curves on a dual mesh.
+pub(crate) const NETWORK_ON_DUAL: &str =
+    "--network cannot go with --surface dual: the slice curves do not lie on the dual mesh";
 
 /// From where and how.
 pub(crate) struct View {
@@ -19,7 +23,8 @@ pub(crate) struct View {
 impl View {
     /// What looks well without being asked for.
     pub(crate) fn usual() -> Self {
-        Self { camera: Camera::default(), style: Style::default(), colour: None }
+        let camera = Camera { azimuth: AZIMUTH, elevation: ELEVATION, ..Camera::default() };
+        Self { camera, style: Style::default(), colour: None }
     }
 
     pub(crate) fn new(args: &ViewArgs) -> Self {

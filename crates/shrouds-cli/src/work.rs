@@ -11,12 +11,12 @@ use shrouds::{Occupancy, Shroud, TriMesh, shroud_observed};
 use shrouds_io::{mesh_format, write_mesh};
 
 use crate::args::FrameChoice;
-use crate::console::Console;
+use crate::console::{Console, plural};
 use crate::failure::Failure;
 use crate::frame;
 use crate::input::Source;
 use crate::output::{write_json, write_picture};
-use crate::picture::View;
+use crate::picture::{View, network_lines};
 use crate::progress::Progress;
 use crate::report::{Report, peak_memory};
 use crate::settings::Job;
@@ -26,6 +26,8 @@ pub(crate) struct Outputs<'a> {
     pub(crate) mesh: &'a Path,
     pub(crate) picture: Option<&'a Path>,
     pub(crate) report: Option<&'a Path>,
+    /// Whether the picture shows the slice curves.
+    pub(crate) network: bool,
 }
 
 /// What was done.
@@ -54,8 +56,9 @@ pub(crate) fn produce(
     progress.stage("writing");
     let writing = Instant::now();
     // Drawn first: once the mesh is in place nothing but a full disk keeps the others from it.
+    let lines = if outputs.network { network_lines(&shroud) } else { Vec::new() };
     let picture = match outputs.picture {
-        Some(path) => Some((path, View::usual().draw(&shroud.mesh, &[])?)),
+        Some(path) => Some((path, View::usual().draw(&shroud.mesh, &lines)?)),
         None => None,
     };
     write(outputs.mesh, shroud.mesh, source, job.frame, console)?;
@@ -143,9 +146,14 @@ pub(crate) fn converged(
     if report.status == Status::Converged {
         return Ok(());
     }
-    let (status, iterations) = (report.status.name(), report.iterations);
+    let advice = match report.status {
+        Status::IterationLimit => "raise --max-iterations or --tolerance",
+        _ => "no step lowers the energy any more; accept that with a larger --tolerance",
+    };
     let message = format!(
-        "the optimisation did not converge: {status} after {iterations} iterations, remaining step {:.1e} voxels; raise --max-iterations or --tolerance",
+        "the optimisation did not converge: {} after {}, remaining step {:.1e} voxels; {advice}",
+        report.status.name(),
+        plural(report.iterations, "iteration"),
         report.projected_step_rms
     );
     if job.strict {

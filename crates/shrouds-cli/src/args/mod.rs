@@ -14,7 +14,9 @@ pub(crate) use names::{
 };
 pub(crate) use shroud::ShroudArgs;
 pub(crate) use values::Start;
-pub(crate) use verbs::{CheckArgs, DemoArgs, InfoArgs, MeshArgs, RenderArgs, ViewArgs};
+pub(crate) use verbs::{
+    AZIMUTH, CheckArgs, DemoArgs, ELEVATION, InfoArgs, MeshArgs, RenderArgs, ViewArgs,
+};
 pub(crate) use volume::VolumeArgs;
 
 /// Smooth triangle surfaces that provably keep every voxel of a segmentation on its own side.
@@ -37,7 +39,7 @@ pub(crate) struct Cli {
 pub(crate) struct Common {
     /// Number of threads, 1 to 1024 [default: as many as the machine has]. Results are the same, bit
     /// by bit, for any number
-    #[arg(long, global = true, value_name = "N",
+    #[arg(long, global = true, value_name = "N", allow_negative_numbers = true,
         value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
     /// No progress, warnings or summaries: only errors, and what --json prints

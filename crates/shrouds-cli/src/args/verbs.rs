@@ -7,11 +7,15 @@ use clap::Args;
 use crate::args::shroud::FrameArgs;
 use crate::args::{Border, Faces, ShroudArgs, VolumeArgs, values};
 
+/// Where the viewer stands unless told otherwise: seen from there each of the linked tori shows its hole.
+pub(crate) const AZIMUTH: f64 = -75.0;
+pub(crate) const ELEVATION: f64 = 40.0;
+
 pub(crate) const DEMO_HELP: &str = "\
 Phantoms: tori, ball, ellipsoid, box, gyroid, letters (or letters:TEXT), point, rod, plate, noise
 
-Example, a larger gyroid into a folder of its own:
-  shrouds demo gyroid --size 128 --output gyroid";
+Example, a larger gyroid into a folder of its own, its slice curves on the picture:
+  shrouds demo gyroid --size 96 --network --output gyroid";
 
 pub(crate) const MESH_HELP: &str = "\
 Volumes: .npy, .nii, .nii.gz, .nrrd. Meshes: .ply, .stl, .obj.
@@ -42,13 +46,16 @@ pub(crate) struct DemoArgs {
     /// Name of the phantom, see below
     #[arg(default_value = "tori")]
     pub(crate) name: String,
-    /// Voxels along each side of the volume, 1 to 2048
-    #[arg(long, default_value_t = 64, value_name = "N",
-        value_parser = clap::value_parser!(u16).range(1..=2048))]
-    pub(crate) size: u16,
+    /// Voxels along each side of the volume, 1 to 2048 [default: 64; 24 for noise, which is all surface]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=2048))]
+    pub(crate) size: Option<u16>,
     /// Folder for mesh.ply, picture.png, report.json and volume.npy; made if need be
     #[arg(long, value_name = "DIR", default_value = "shrouds-demo")]
     pub(crate) output: PathBuf,
+    /// Draw the slice curves on the picture: across x red, across y white, across z blue; not with
+    /// --surface dual
+    #[arg(long)]
+    pub(crate) network: bool,
     /// Print the report to standard output, and nothing else there
     #[arg(long)]
     pub(crate) json: bool,
@@ -127,8 +134,8 @@ pub(crate) struct RenderArgs {
     pub(crate) output: PathBuf,
     #[command(flatten)]
     pub(crate) view: ViewArgs,
-    /// Draw the slice curves: across x red, across y white, across z blue; for volumes only, with
-    /// --surface primal
+    /// Draw the slice curves: across x red, across y white, across z blue; for volumes only,
+    /// and not with --surface dual
     #[arg(long, help_heading = "Picture")]
     pub(crate) network: bool,
     #[command(flatten)]
@@ -150,11 +157,11 @@ pub(crate) struct ViewArgs {
         value_parser = clap::value_parser!(u32).range(1..=32768))]
     pub(crate) height: u32,
     /// Direction of the viewer around the z axis in degrees, 0 on +x and 90 on +y
-    #[arg(long, default_value_t = -60.0, value_name = "DEGREES", allow_negative_numbers = true,
+    #[arg(long, default_value_t = AZIMUTH, value_name = "DEGREES", allow_negative_numbers = true,
         value_parser = values::finite)]
     pub(crate) azimuth: f64,
     /// Height of the viewer above the horizon in degrees, -90 to 90
-    #[arg(long, default_value_t = 30.0, value_name = "DEGREES", allow_negative_numbers = true,
+    #[arg(long, default_value_t = ELEVATION, value_name = "DEGREES", allow_negative_numbers = true,
         value_parser = values::elevation)]
     pub(crate) elevation: f64,
     /// Magnification, above 0; 1 fits the picture

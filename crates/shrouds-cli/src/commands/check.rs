@@ -52,10 +52,12 @@ fn verdict(args: &CheckArgs, report: &CheckReport) -> Result<(), Failure> {
     let Some(first) = problems.first() else { return Ok(()) };
     let more = match problems.len() - 1 {
         0 => String::new(),
+        1 => " (and one more problem)".into(),
         more => format!(" (and {more} more problems)"),
     };
     Err(Failure::Undone(format!(
-        "{} does not separate the voxels of {} as it should: {first}{more}; see that selection, --frame, --border and --faces are those the mesh was made with",
+        "{} does not separate the voxels of {} as it should: {first}{more}; \
+         see that selection, --frame, --border and --faces are those the mesh was made with",
         args.mesh.display(),
         args.volume.display()
     )))
@@ -115,12 +117,9 @@ fn lines(report: &CheckReport, volume: &Occupancy) -> String {
         &separation.odd_winding,
     ));
     let (found, wanted) = (structure.components.len() as u64, report.expected.surface_components);
-    lines.push(topology("components", found, wanted));
-    lines.push(topology(
-        "is the Euler characteristic",
-        structure.euler(),
-        Some(report.expected.euler),
-    ));
+    lines.push(topology("number of components", found, wanted));
+    let (found, wanted) = (structure.euler(), report.expected.euler);
+    lines.push(topology("Euler characteristic", found, Some(wanted)));
     lines.extend(report.problems().iter().map(|problem| format!("      {problem}")));
     lines.extend(report.notes().iter().map(|note| format!("note  {note}")));
     lines.join("\n")
@@ -136,8 +135,10 @@ fn none<T>(what: &str, found: &Found<T>) -> String {
 
 fn topology<T: PartialEq + std::fmt::Display>(what: &str, found: T, wanted: Option<T>) -> String {
     match wanted {
-        None => line(true, &format!("{found} {what} (any number may be right)")),
-        Some(wanted) if wanted == found => line(true, &format!("{found} {what}, as of the voxels")),
-        Some(wanted) => line(false, &format!("{found} {what}, but {wanted} of the voxels")),
+        None => line(true, &format!("{what} {found} (at an open border any may be right)")),
+        Some(wanted) if wanted == found => {
+            line(true, &format!("{what} {found}, as the voxels ask"))
+        }
+        Some(wanted) => line(false, &format!("{what} {found}, but the voxels ask for {wanted}")),
     }
 }

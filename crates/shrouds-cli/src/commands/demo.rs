@@ -7,11 +7,12 @@ use std::time::Instant;
 use shrouds::volume::phantom::{Phantom, named};
 use shrouds_io::{Frame, write_npy};
 
-use crate::args::DemoArgs;
-use crate::console::{Console, grouped, number, print_json};
+use crate::args::{DemoArgs, SurfaceKind};
+use crate::console::{Console, grouped, number, plural, print_json};
 use crate::failure::Failure;
 use crate::input::Source;
 use crate::output::check_targets;
+use crate::picture::NETWORK_ON_DUAL;
 use crate::progress::Progress;
 use crate::report::Report;
 use crate::settings::Job;
@@ -28,14 +29,21 @@ struct Files {
 pub(crate) fn run(args: &DemoArgs, console: Console) -> Result<(), Failure> {
     let start = Instant::now();
     let job = Job::new(&args.shroud, args.frame.frame)?;
+    if args.network && args.shroud.surface == SurfaceKind::Dual {
+        return Err(Failure::Call(NETWORK_ON_DUAL.into()));
+    }
     let progress = Progress::new(console.quiet);
     progress.stage("building the phantom");
-    let phantom = named(&args.name, args.size.into())?;
+    let phantom = named(&args.name, size(args))?;
     let files = Files::in_folder(&args.output)?;
     let source = source(phantom, &files.volume, start)?;
     write_npy(&files.volume, &source.occupancy)?;
-    let outputs =
-        Outputs { mesh: &files.mesh, picture: Some(&files.picture), report: Some(&files.report) };
+    let outputs = Outputs {
+        mesh: &files.mesh,
+        picture: Some(&files.picture),
+        report: Some(&files.report),
+        network: args.network,
+    };
     let done = produce(&source, &job, &outputs, start, console, &progress)?;
     drop(progress);
     if args.json {
@@ -45,6 +53,11 @@ pub(crate) fn run(args: &DemoArgs, console: Console) -> Result<(), Failure> {
         console.result(&files.list())?;
     }
     done.verdict(&job, console)
+}
+
+fn size(args: &DemoArgs) -> usize {
+    let usual = if args.name == "noise" { 24 } else { 64 };
+    args.size.map_or(usual, usize::from)
 }
 
 impl Files {
@@ -138,10 +151,6 @@ fn numbers(name: &str, report: &Report) -> String {
         ("wrong side", format!("{} of {points} voxels", checks.wrong_side)),
         ("time", format!("{:.2} s, of which {:.2} s to optimise", times.total, times.optimize)),
     ];
-    let lines = rows.map(|(key, value)| format!("  {key:<11}{value}"));
+    let lines = rows.map(|(key, value)| format!("  {key:<12}{value}"));
     format!("Shroud of the phantom '{name}'\n{}", lines.join("\n"))
-}
-
-fn plural(count: usize, noun: &str) -> String {
-    format!("{} {noun}{}", grouped(count as u64), if count == 1 { "" } else { "s" })
 }

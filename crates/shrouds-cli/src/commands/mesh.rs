@@ -22,6 +22,7 @@ pub(crate) fn run(args: &MeshArgs, console: Console) -> Result<(), Failure> {
         mesh: &args.output,
         picture: args.picture.as_deref(),
         report: args.report.as_deref(),
+        network: false,
     };
     check_files(&args.input, &outputs)?;
     let progress = Progress::new(console.quiet);

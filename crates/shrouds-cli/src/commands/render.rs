@@ -9,7 +9,7 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::input::{self, Kind};
 use crate::output::{check_png, check_targets, write_picture};
-use crate::picture::{View, network_lines};
+use crate::picture::{NETWORK_ON_DUAL, View, network_lines};
 use crate::progress::Progress;
 use crate::settings::Job;
 use crate::work;
@@ -42,9 +42,7 @@ fn check_network(args: &RenderArgs, kind: Kind) -> Result<(), Failure> {
     let message = match kind {
         _ if !args.network => return Ok(()),
         Kind::Mesh => "--network needs a volume: a mesh file does not hold the slice curves",
-        Kind::Volume if args.shroud.surface == SurfaceKind::Dual => {
-            "--network needs --surface primal: the slice curves do not lie on the dual mesh"
-        }
+        Kind::Volume if args.shroud.surface == SurfaceKind::Dual => NETWORK_ON_DUAL,
         Kind::Volume => return Ok(()),
     };
     Err(Failure::Call(message.into()))

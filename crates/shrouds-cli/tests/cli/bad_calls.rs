@@ -1,0 +1,96 @@
+//! Calls that cannot be meant: found out before any work, exit code 2 (1 where a file is in the way).
+
+use crate::common::Folder;
+
+#[test]
+fn extensions_nobody_knows() {
+    let folder = Folder::with_tori();
+    folder.refuse("mesh volume.npy -o out.xyz", 2, &["out.xyz", ".ply, .stl and .obj"]);
+    folder.refuse("mesh volume.npy -o out", 2, &["out", ".ply, .stl and .obj"]);
+    folder.refuse("mesh volume.tif -o out.ply", 2, &["volume.tif", ".npy, .nii"]);
+    folder.refuse("info volume.tif", 2, &["volume.tif", ".nrrd", ".obj"]);
+    folder.refuse("mesh volume.npy -o out.ply --picture p.jpg", 2, &["p.jpg", ".png"]);
+    folder.refuse("render volume.npy -o out.jpg", 2, &["out.jpg", ".png"]);
+    folder.refuse("check volume.npy --volume volume.npy", 2, &["volume.npy", ".ply"]);
+    folder.refuse("check out.ply --volume volume.tif", 2, &["volume.tif", ".npy"]);
+}
+
+#[test]
+fn outputs_that_cannot_be_written_are_found_before_the_input_is_read() {
+    let folder = Folder::new();
+    folder.file("wall", b"");
+    let parts = ["no/out.ply", "folder does not exist", "create the folder"];
+    folder.refuse("mesh missing.npy -o no/out.ply", 1, &parts);
+    for option in ["--picture no/p.png", "--report no/r.json"] {
+        folder.refuse(&format!("mesh missing.npy -o out.ply {option}"), 1, &["no/"]);
+    }
+    folder.refuse("render missing.npy -o wall/out.png", 1, &["wall/out.png"]);
+    folder.refuse("demo --output wall", 1, &["wall", "--output"]);
+    std::fs::create_dir(folder.path("folder.ply")).unwrap();
+    folder.refuse("mesh missing.npy -o folder.ply", 1, &["folder.ply", "it is a folder"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn folders_that_take_no_files() {
+    // Even the superuser cannot make a file here.
+    let folder = Folder::with_tori();
+    folder.refuse("mesh volume.npy -o /proc/out.ply", 1, &["/proc/out.ply", "cannot write it"]);
+    folder.refuse("mesh volume.npy -o /dev/null", 2, &["/dev/null"]);
+}
+
+#[test]
+fn two_files_of_one_name() {
+    let folder = Folder::with_tori();
+    let parts = ["another file of this call"];
+    folder.refuse("mesh volume.npy -o a.ply --report ./a.ply", 2, &parts);
+    folder.refuse("mesh volume.npy -o a.ply --report volume.npy", 2, &parts);
+    assert_eq!(folder.names(), ["volume.npy"]);
+}
+
+#[test]
+fn settings_that_do_not_go_together() {
+    let folder = Folder::with_tori();
+    for name in ["uniform", "chord", "centripetal"] {
+        let parts = ["--parameter", "--energy bending", "curvature or linear"];
+        folder.refuse(&format!("mesh volume.npy -o a.ply --parameter {name}"), 2, &parts);
+    }
+    let parts = ["--surface dual", "--border closed"];
+    folder.refuse("mesh volume.npy -o a.ply --surface dual --border open", 2, &parts);
+    folder.refuse("render volume.npy -o a.png --network --surface dual", 2, &["--network"]);
+    folder.refuse("demo --network --surface dual", 2, &["--network"]);
+    folder.refuse("demo nothing", 2, &["\"nothing\"", "tori", "gyroid"]);
+    folder.succeed("mesh volume.npy -o a.ply --quiet");
+    folder.refuse("render a.ply -o a.png --network", 2, &["--network needs a volume"]);
+}
+
+#[test]
+fn values_out_of_range() {
+    let folder = Folder::with_tori();
+    for option in [
+        "--tolerance 0",
+        "--tolerance nan",
+        "--max-iterations -1",
+        "--start random",
+        "--spacing 1,2",
+        "--spacing 1,0,1",
+        "--threads 0",
+        "--energy warp",
+        "--label x",
+        "--label 1 --threshold 0.5",
+        "--threshold nan",
+        "--frobnicate",
+    ] {
+        let done = folder.run(&format!("mesh volume.npy -o a.ply {option}"));
+        let named = option.split(' ').next().unwrap();
+        assert!(done.code == 2 && done.err.contains(named), "{option}: {}", done.err);
+    }
+    for option in ["--width 0", "--elevation 91", "--zoom 0", "--colour red", "--perspective=0"] {
+        let done = folder.run(&format!("render volume.npy -o a.png {option}"));
+        let named = option.split([' ', '=']).next().unwrap();
+        assert!(done.code == 2 && done.err.contains(named), "{option}: {}", done.err);
+    }
+    assert_eq!(folder.run("").code, 2);
+    assert_eq!(folder.run("paint").code, 2);
+    assert_eq!(folder.names(), ["volume.npy"]);
+}

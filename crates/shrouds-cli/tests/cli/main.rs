@@ -1,0 +1,12 @@
+//! The real program, run on files: what it writes, says and returns.
+
+// The helpers are tests too.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+mod bad_calls;
+mod bad_input;
+mod check;
+mod mesh;
+mod verbs;

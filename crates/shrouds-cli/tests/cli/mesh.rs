@@ -1,0 +1,242 @@
+//! `shrouds mesh`: the files it writes and what they say.
+
+use serde_json::Value;
+use shrouds::volume::phantom::named;
+
+use crate::common::{Folder, nifti, npy, volume};
+
+const OBJECTS: [&str; 9] =
+    ["input", "settings", "topology", "solver", "geometry", "checks", "times", "memory", "version"];
+
+#[test]
+fn mesh_picture_and_report() {
+    let folder = Folder::with_tori();
+    let done = folder.run("mesh volume.npy -o out.ply --picture out.png --report out.json");
+    assert_eq!((done.code, done.out.as_str()), (0, ""), "{}", done.err);
+    assert!(done.err.starts_with("out.ply: ") && done.err.lines().count() == 1, "{}", done.err);
+    assert_eq!(folder.names(), ["out.json", "out.ply", "out.png", "volume.npy"]);
+    assert_eq!(&folder.bytes("out.png")[..8], b"\x89PNG\r\n\x1a\n");
+
+    let (mesh, report) = (folder.mesh("out.ply"), folder.json("out.json"));
+    let keys: Vec<&String> = report.as_object().unwrap().keys().collect();
+    let mut wanted = OBJECTS;
+    wanted.sort_unstable();
+    assert_eq!(keys, wanted);
+    assert_eq!(report["input"]["dims"], serde_json::json!([24, 24, 24]));
+    assert_eq!(report["input"]["inside"], 799);
+    assert_eq!(report["topology"]["vertices"], mesh.vertices.len());
+    assert_eq!(report["topology"]["triangles"], mesh.triangles.len());
+    assert_eq!(report["topology"]["euler"], serde_json::json!([0, 0]));
+    assert_eq!(report["solver"]["status"], "converged");
+    let energy = |end: &str| report["solver"]["energy"][end].as_f64().unwrap();
+    assert!(energy("last") < energy("first"));
+    let close = |key: &str, value: f64| {
+        let told = report["geometry"][key].as_f64().unwrap();
+        assert!((told / value - 1.0).abs() < 1e-5, "{key}: {told}, {value}");
+    };
+    close("volume", mesh.volume());
+    close("area", mesh.area());
+    close("voxel_volume", 799.0);
+    clean(&report["checks"]);
+    let stages = ["read", "surface", "network", "optimize", "mesh", "check", "write", "total"];
+    assert!(stages.iter().all(|stage| report["times"][stage].as_f64().unwrap() >= 0.0));
+    let memory = &report["memory"];
+    assert!(memory.as_u64().is_some_and(|bytes| bytes > 1 << 20) || !cfg!(target_os = "linux"));
+}
+
+fn clean(checks: &Value) {
+    assert_eq!(checks["ok"], true, "{checks}");
+    for key in [
+        "wrong_side",
+        "odd_winding",
+        "touching",
+        "non_manifold_edges",
+        "non_manifold_vertices",
+        "boundary_edges",
+        "degenerate_triangles",
+    ] {
+        assert_eq!(checks[key], 0, "{key}");
+    }
+    for key in ["components", "euler"] {
+        assert_eq!(checks[key]["found"], checks[key]["expected"], "{key}");
+    }
+}
+
+#[test]
+fn json_is_all_there_is_on_standard_output() {
+    let folder = Folder::with_tori();
+    let report: Value =
+        serde_json::from_str(&folder.succeed("mesh volume.npy -o out.ply --json")).unwrap();
+    assert!(OBJECTS.iter().all(|key| report.get(key).is_some()));
+    let done = folder.run("mesh volume.npy -o out.ply --quiet");
+    assert_eq!((done.code, done.out.as_str(), done.err.as_str()), (0, "", ""));
+}
+
+#[test]
+fn settings_reach_the_library() {
+    let folder = Folder::with_tori();
+    let mut seen = Vec::new();
+    for options in [
+        "",
+        "--energy curvature",
+        "--energy curvature --parameter centripetal",
+        "--energy linear",
+        "--energy linear --solver sweeps --tolerance 1e-3",
+        "--start random:5 --max-iterations 0",
+        "--start midpoint --max-iterations 0",
+        "--faces join",
+        "--surface dual",
+        "--triangles fixed",
+        "--frame index --spacing 1,1,2",
+    ] {
+        let text = folder.succeed(&format!("mesh volume.npy -o out.ply --json --quiet {options}"));
+        let report: Value = serde_json::from_str(&text).unwrap();
+        clean(&report["checks"]);
+        let words: Vec<&str> = options.split_whitespace().collect();
+        for pair in words.chunks(2).filter(|pair| pair[0] != "--spacing") {
+            let told = &report["settings"][pair[0].trim_start_matches("--").replace('-', "_")];
+            let number = pair[1].parse::<f64>();
+            let same = number.map_or_else(|_| told == pair[1], |x| told.as_f64() == Some(x));
+            assert!(same, "{pair:?}: {told}");
+        }
+        // The tori have no ambiguous face, so that `join` changes nothing.
+        if options != "--faces join" {
+            seen.push(folder.bytes("out.ply"));
+        }
+    }
+    let different = seen.len();
+    seen.sort();
+    seen.dedup();
+    assert_eq!(seen.len(), different);
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bytes() {
+    let folder = Folder::new();
+    folder.volume("volume.npy", &named("gyroid", 20).unwrap().volume);
+    for options in ["", "--surface dual --start random:3"] {
+        let bytes = [1, 2, 5].map(|threads| {
+            let call = format!("mesh volume.npy -o out.ply --quiet --threads {threads} {options}");
+            folder.succeed(&call);
+            folder.bytes("out.ply")
+        });
+        assert!(bytes[0] == bytes[1] && bytes[0] == bytes[2], "{options}");
+    }
+}
+
+#[test]
+fn formats_agree() {
+    let folder = Folder::with_tori();
+    for name in ["a.ply", "a.stl", "a.OBJ"] {
+        folder.succeed(&format!("mesh volume.npy -o {name} --quiet"));
+    }
+    let [ply, stl, obj] = ["a.ply", "a.stl", "a.OBJ"].map(|name| folder.mesh(name));
+    assert_eq!((&ply.triangles, ply.vertices.len()), (&obj.triangles, obj.vertices.len()));
+    assert_eq!(
+        (ply.triangles.len(), ply.vertices.len()),
+        (stl.triangles.len(), stl.vertices.len())
+    );
+    for (n, &triangle) in ply.triangles.iter().enumerate() {
+        let expected = ply.corners(triangle);
+        for other in [stl.corners(stl.triangles[n]), obj.corners(obj.triangles[n])] {
+            let pairs = expected.as_flattened().iter().zip(other.as_flattened());
+            assert!(pairs.into_iter().all(|(a, b)| (a - b).abs() < 1e-5));
+        }
+    }
+}
+
+#[test]
+fn not_to_converge_is_a_failure_only_under_strict() {
+    let folder = Folder::with_tori();
+    let done = folder.run("mesh volume.npy -o a.ply --max-iterations 1");
+    assert_eq!(done.code, 0);
+    assert!(done.err.contains("warning: the optimisation did not converge"), "{}", done.err);
+    let done = folder.run("mesh volume.npy -o b.ply --report b.json --max-iterations 1 --strict");
+    assert_eq!(done.code, 3);
+    assert!(done.err.contains("error: the optimisation did not converge"), "{}", done.err);
+    assert!(done.err.contains("iteration limit after 1 iteration,"), "{}", done.err);
+    assert_eq!(folder.bytes("a.ply"), folder.bytes("b.ply"));
+    assert_eq!(folder.json("b.json")["solver"]["status"], "iteration limit");
+    assert_eq!(folder.run("mesh volume.npy -o a.ply --strict").code, 0);
+}
+
+#[test]
+fn labels_and_thresholds_select() {
+    let folder = Folder::new();
+    let mut values = [0u8; 125];
+    values[62..64].copy_from_slice(&[3, 7]);
+    folder.file("labels.npy", &npy("|u1", "(5, 5, 5)", &values));
+    let triangles = |options: &str| {
+        folder.succeed(&format!("mesh labels.npy -o out.ply --quiet {options}"));
+        folder.mesh("out.ply").triangles.len()
+    };
+    let (one, two) = (8, 16);
+    assert_eq!(triangles(""), two);
+    assert_eq!(triangles("--label 3"), one);
+    assert_eq!(triangles("--label 3 --label 7"), two);
+    assert_eq!(triangles("--threshold 3"), one);
+    // All 125: 150 vertices on a sphere, so twice 148 triangles.
+    assert_eq!(triangles("--threshold -0.5"), 296);
+}
+
+#[test]
+fn the_frame_of_the_file_or_the_index() {
+    let folder = Folder::new();
+    // One voxel at (1, 2, 1) in a mirrored, turned and shifted frame.
+    let affine = [[0.0, -2.0, 0.0, 10.0], [-0.5, 0.0, 0.0, 20.0], [0.0, 0.0, -3.0, 30.0]];
+    let mut data = [0; 60];
+    data[(4 + 2) * 3 + 1] = 1;
+    folder.file("voxel.nii", &nifti(&[3, 4, 5], affine, &data));
+    let middle = |options: &str| {
+        folder.succeed(&format!("mesh voxel.nii -o out.ply --quiet {options}"));
+        let mesh = folder.mesh("out.ply");
+        assert!(mesh.volume() > 0.0, "{options}");
+        let mean: [f64; 3] =
+            std::array::from_fn(|k| mesh.vertices.iter().map(|v| v[k]).sum::<f64>() / 6.0);
+        for (vertex, normal) in mesh.vertices.iter().zip(&mesh.normals) {
+            let out: f64 = (0..3).map(|k| normal[k] * (vertex[k] - mean[k])).sum();
+            assert!(out > 0.0, "{options}");
+        }
+        mean.map(|x| (x * 1e4).round() / 1e4)
+    };
+    assert_eq!(middle(""), [6.0, 19.5, 27.0]);
+    assert_eq!(middle("--frame index"), [1.0, 2.0, 1.0]);
+    assert_eq!(middle("--spacing 1,10,100"), [1.0, 20.0, 100.0]);
+    let header = |name: &str| String::from_utf8_lossy(&folder.bytes(name)[..120]).into_owned();
+    folder.succeed("mesh voxel.nii -o out.ply --quiet");
+    assert!(header("out.ply").contains("SPACE=RAS UNIT=mm"), "{}", header("out.ply"));
+    folder.succeed("mesh voxel.nii -o out.ply --quiet --frame index");
+    assert!(header("out.ply").contains("SPACE=index"), "{}", header("out.ply"));
+}
+
+#[test]
+fn far_from_the_origin_digits_are_kept() {
+    let folder = Folder::new();
+    let affine = [[0.25, 0.0, 0.0, 5e6], [0.0, 0.25, 0.0, -5e6], [0.0, 0.0, 0.25, 0.0]];
+    let data: Vec<u8> = (0..512).map(|n| u8::from((9 * n + n / 8) % 5 < 2)).collect();
+    folder.file("far.nii", &nifti(&[8, 8, 8], affine, &data));
+    let done = folder.run("mesh far.nii -o far.ply");
+    assert!(!done.err.contains("32 bits"), "{}", done.err);
+    assert_eq!(folder.run("check far.ply --volume far.nii").code, 0);
+    let done = folder.run("mesh far.nii -o far.stl");
+    assert!(
+        done.code == 0 && done.err.contains("warning: far.stl: STL has 32 bits"),
+        "{}",
+        done.err
+    );
+    folder.succeed("mesh far.nii -o near.stl --frame index --quiet");
+    assert_eq!(folder.run("check near.stl --volume far.nii --frame index").code, 0);
+}
+
+#[test]
+fn axes_of_an_array() {
+    let folder = Folder::new();
+    folder.volume("bar.npy", &volume([9, 3, 3], |[_, j, k]| (j, k) == (1, 1)));
+    let longest = |options: &str| {
+        folder.succeed(&format!("mesh bar.npy -o out.ply --quiet {options}"));
+        let mesh = folder.mesh("out.ply");
+        let reach = |k: usize| mesh.vertices.iter().map(|v| v[k]).fold(0.0, f64::max);
+        (0..3).max_by(|&a, &b| reach(a).total_cmp(&reach(b))).unwrap()
+    };
+    assert_eq!((longest(""), longest("--axes zyx"), longest("--axes xyz")), (0, 0, 2));
+}
