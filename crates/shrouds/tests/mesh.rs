@@ -29,7 +29,17 @@ fn judge(
     faces: FaceRule,
     border: Border,
 ) -> Result<(), TestCaseError> {
-    let settings = CheckSettings { border, faces, all_axes: true, self_intersections: false };
+    judge_with(mesh, volume, faces, border, true)
+}
+
+fn judge_with(
+    mesh: &TriMesh,
+    volume: &Occupancy,
+    faces: FaceRule,
+    border: Border,
+    self_intersections: bool,
+) -> Result<(), TestCaseError> {
+    let settings = CheckSettings { border, faces, all_axes: true, self_intersections };
     let report = check(mesh, volume, &settings).unwrap();
     prop_assert!(report.is_clean(), "{:?} {:?}: {:?}", faces, border, report.problems());
     prop_assert_eq!(report.separation.touching.count, 0);
@@ -37,7 +47,7 @@ fn judge(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(ProptestConfig::with_cases(24))]
 
     #[test]
     fn every_lattice_point_is_on_its_side_for_random_delta(
@@ -80,7 +90,9 @@ proptest! {
             let delta = deltas(surface.vertex_count(), seed, 0.002);
             for triangles in [Triangles::Fitted, Triangles::Fixed] {
                 let mesh = TriMesh::place(&surface, &network, &delta, MeshKind::Dual, triangles);
-                judge(&mesh, &volume, rule, Border::Closed)?;
+                // For any δ at all its quads may fold over each other; after optimisation they
+                // do not, as the test above shows.
+                judge_with(&mesh, &volume, rule, Border::Closed, false)?;
             }
         }
     }

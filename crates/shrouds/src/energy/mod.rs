@@ -100,18 +100,22 @@ impl<F: CurveFormula> CurveEnergy for F {
 }
 
 /// The vector from `a` to `b`.
+#[inline]
 fn chord<S: Scalar>(a: Point2<S>, b: Point2<S>) -> Point2<S> {
     [b[0] - a[0], b[1] - a[1]]
 }
 
+#[inline]
 fn length<S: Scalar>(v: Point2<S>) -> S {
     (v[0] * v[0] + v[1] * v[1]).sqrt()
 }
 
+#[inline]
 fn scaled<S: Scalar>(v: Point2<S>, factor: S) -> Point2<S> {
     [v[0] * factor, v[1] * factor]
 }
 
+#[inline]
 fn cross<S: Scalar>(a: Point2<S>, b: Point2<S>) -> S {
     a[0] * b[1] - a[1] * b[0]
 }

@@ -23,7 +23,7 @@ pub(super) fn mesh(
 }
 
 /// Of the legal triangulations of every patch the one whose triangles fit the mean normals of their
-/// corners best.
+/// corners best. Where a cell has several patches, which could cross, all keep the fixed one.
 fn fitted(surface: &Surface, vertices: &[Vector], normals: &[Vector]) -> Vec<[u32; 3]> {
     // Mirrored axes turn the patches' corners clockwise in the world.
     let sign = if surface.grid().is_mirrored() { -1.0 } else { 1.0 };
@@ -31,6 +31,10 @@ fn fitted(surface: &Surface, vertices: &[Vector], normals: &[Vector]) -> Vec<[u3
         let (mut triangles, mut local) = (Vec::new(), Vec::new());
         for p in range {
             let (patch, shape) = (surface.patch(p), surface.patch_shape(p));
+            if !shape.is_alone() || !shape.twins().is_empty() {
+                triangles.extend(shape.fixed().iter().map(|t| t.map(|c| patch[usize::from(c)])));
+                continue;
+            }
             let at = |corner: usize| patch[corner] as usize;
             let cost = |i: usize, k: usize, j: usize| {
                 let [a, b, c] = [at(i), at(k), at(j)];

@@ -14,12 +14,12 @@ struct Row {
     diagonal: f32,
     near: [f32; 4],
     far: [f32; 4],
+    near_vertices: [u32; 4],
+    far_vertices: [u32; 4],
 }
 
 /// Gradient and Gauss–Newton matrix of the energy.
 pub(super) struct Model {
-    near: Vec<[u32; 4]>,
-    far: Vec<[u32; 4]>,
     terms: Vec<[Quadratic; 2]>,
     gradient: Vec<f64>,
     rows: Vec<Row>,
@@ -29,24 +29,19 @@ impl Model {
     pub(super) fn new(problem: &Problem) -> Self {
         let count = problem.vertex_count();
         let network = problem.network;
-        // A missing vertex is replaced by the row's own, with coefficient 0.
-        let mut near = vec![[0; 4]; count];
-        parallel::fill(&mut near, |v| {
+        let mut rows = vec![Row::default(); count];
+        parallel::fill(&mut rows, |v| {
             let v = v as u32;
-            std::array::from_fn(|slot| network.neighbour(v, slot).map_or(v, |(u, _)| u))
+            let near = |slot| network.neighbour(v, slot).map(|(u, _)| u);
+            let far = |slot| network.second_neighbour(v, slot);
+            // A missing vertex is replaced by the row's own, with coefficient 0.
+            Row {
+                near_vertices: std::array::from_fn(|slot| near(slot).unwrap_or(v)),
+                far_vertices: std::array::from_fn(|slot| far(slot).unwrap_or(v)),
+                ..Row::default()
+            }
         });
-        let mut far = vec![[0; 4]; count];
-        parallel::fill(&mut far, |v| {
-            let v = v as u32;
-            std::array::from_fn(|slot| network.second_neighbour(v, slot).unwrap_or(v))
-        });
-        Self {
-            near,
-            far,
-            terms: vec![Default::default(); count],
-            gradient: vec![0.0; count],
-            rows: vec![Default::default(); count],
-        }
+        Self { terms: vec![Default::default(); count], gradient: vec![0.0; count], rows }
     }
 
     /// Gradient and matrix at `x`.
@@ -60,7 +55,9 @@ impl Model {
             problem.barrier_slope(x[v]).slope + own + neighbours
         };
         parallel::fill(&mut self.gradient, gradient_at);
-        parallel::fill(&mut self.rows, |v| row_at(problem, terms, v, problem.barrier_slope(x[v])));
+        parallel::update(&mut self.rows, |v, row| {
+            set_row(row, problem, terms, v, problem.barrier_slope(x[v]));
+        });
     }
 
     /// By how much the model expects ρ at vertex `v`, weighted and summed over its two curves, to
@@ -68,7 +65,8 @@ impl Model {
     pub(super) fn expected_change(&self, v: usize, moves: impl Fn(usize) -> f64) -> f64 {
         let on_curve = |c: usize| {
             let term = &self.terms[v][c];
-            let [before, after] = [2 * c, 2 * c + 1].map(|slot| self.near[v][slot] as usize);
+            let [before, after] =
+                [2 * c, 2 * c + 1].map(|slot| self.rows[v].near_vertices[slot] as usize);
             let d = [before, v, after].map(&moves);
             let bent = |i: usize| dot(term.hessian[i], d);
             (0..3).map(|i| d[i] * (term.gradient[i] + 0.5 * bent(i))).sum::<f64>()
@@ -94,11 +92,10 @@ impl Model {
     /// a vector.
     pub(super) fn product(&self, v: usize, vector: &[f32], damping: f32) -> f32 {
         let row = &self.rows[v];
-        let (near, far) = (&self.near[v], &self.far[v]);
         let mut sum = row.diagonal * (1.0 + damping) * vector[v];
         for slot in 0..4 {
-            sum += row.near[slot] * vector[near[slot] as usize];
-            sum += row.far[slot] * vector[far[slot] as usize];
+            sum += row.near[slot] * vector[row.near_vertices[slot] as usize];
+            sum += row.far[slot] * vector[row.far_vertices[slot] as usize];
         }
         sum
     }
@@ -118,7 +115,14 @@ fn beside<'a>(
     })
 }
 
-fn row_at(problem: &Problem, terms: &[[Quadratic; 2]], v: usize, barrier: Univariate) -> Row {
+/// Sets the coefficients of the row of vertex `v`.
+fn set_row(
+    row: &mut Row,
+    problem: &Problem,
+    terms: &[[Quadratic; 2]],
+    v: usize,
+    barrier: Univariate,
+) {
     let mut diagonal = barrier.curvature;
     let (mut near, mut far) = ([0.0; 4], [0.0; 4]);
     for (c, term) in terms[v].iter().enumerate() {
@@ -132,5 +136,7 @@ fn row_at(problem: &Problem, terms: &[[Quadratic; 2]], v: usize, barrier: Univar
         far[slot] += term.hessian[place][2 - place];
     }
     let single = |values: [f64; 4]| values.map(|x| x as f32);
-    Row { diagonal: diagonal as f32, near: single(near), far: single(far) }
+    row.diagonal = diagonal as f32;
+    row.near = single(near);
+    row.far = single(far);
 }

@@ -17,6 +17,7 @@ pub struct LoopShape {
     legal: [u8; MAX_CORNERS],
     fixed: Vec<[u8; 3]>,
     twins: Vec<[u8; 2]>,
+    alone: bool,
 }
 
 impl LoopShape {
@@ -39,6 +40,11 @@ impl LoopShape {
     /// the one after that.
     pub fn quadrant(&self, i: usize) -> usize {
         usize::from(!self.edges[i] & 3)
+    }
+
+    /// Whether the loop is the only one of its cell.
+    pub fn is_alone(&self) -> bool {
+        self.alone
     }
 
     /// Pairs of loop segments that lie on the same cell face, which then is ambiguous. Segment `n`
@@ -74,7 +80,9 @@ impl CellTable {
     fn new(rule: FaceRule) -> Self {
         let mut table = Self { shapes: Vec::new(), starts: [0; 257] };
         for pattern in 0..256 {
-            table.shapes.extend(trace_loops(pattern as u8, rule).into_iter().map(loop_shape));
+            let loops = trace_loops(pattern as u8, rule);
+            let alone = loops.len() == 1;
+            table.shapes.extend(loops.into_iter().map(|edges| loop_shape(edges, alone)));
             table.starts[pattern + 1] = table.shapes.len() as u16;
         }
         table
@@ -137,7 +145,7 @@ fn trace_loops(pattern: u8, rule: FaceRule) -> Vec<Vec<u8>> {
     loops
 }
 
-fn loop_shape(edges: Vec<u8>) -> LoopShape {
+fn loop_shape(edges: Vec<u8>, alone: bool) -> LoopShape {
     let faces: Vec<u8> = edges.iter().map(|&e| faces_of_edge(usize::from(e))).collect();
     let mut legal = [0; MAX_CORNERS];
     for (i, row) in legal.iter_mut().enumerate().take(edges.len()) {
@@ -162,7 +170,7 @@ fn loop_shape(edges: Vec<u8>) -> LoopShape {
         .filter(|&[n, m]| segment_face(n) & segment_face(m) != 0)
         .map(|pair| pair.map(|n| n as u8))
         .collect();
-    LoopShape { edges, legal, fixed, twins }
+    LoopShape { edges, legal, fixed, twins, alone }
 }
 
 /// Twice the coordinates of the middle of an edge, in cell units.
