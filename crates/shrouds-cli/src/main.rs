@@ -35,12 +35,15 @@ fn main() -> ExitCode {
     }
 }
 
-/// Runs on as many threads as were asked for.
+/// Runs on as many threads as were asked for, or as many as there are.
+///
+/// All of it runs on a thread of the pool: handing each of the solver's many short loops to the pool
+/// from outside would cost more than some of the loops.
 fn run(cli: &Cli) -> Result<(), Failure> {
-    let Some(threads) = cli.common.threads else { return commands::run(cli) };
-    let pool = ThreadPoolBuilder::new().num_threads(usize::from(threads)).build();
+    let threads = cli.common.threads.map_or(0, usize::from);
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|cause| {
-        Failure::Undone(format!("cannot start {threads} threads ({cause}); lower --threads"))
+        Failure::Undone(format!("cannot start threads ({cause}); give --threads a smaller number"))
     })?;
     pool.install(|| commands::run(cli))
 }

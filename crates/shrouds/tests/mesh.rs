@@ -1,5 +1,7 @@
 //! Placed meshes, primal and dual, judged by the independent check.
 
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 use common::{CONVENTIONS, volumes};

@@ -1,5 +1,7 @@
 //! The optimisation against invariants, brute force and itself.
 
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 use std::ops::ControlFlow;

@@ -21,7 +21,7 @@ pub(crate) struct ShroudArgs {
     #[arg(long, value_enum, default_value_t = Solver::Newton)]
     pub(crate) solver: Solver,
     /// When to stop, above 0 and below 1. newton: root mean square of the remaining step, in voxels
-    /// [default: 1e-4]; sweeps: relative change in one sweep [default: 1e-6]
+    /// [default: 5e-4]; sweeps: relative change in one sweep [default: 1e-6]
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = values::fraction)]
     pub(crate) tolerance: Option<f64>,
     /// Most steps or sweeps, 0 to leave the start as it is [default: 100 steps, 1000 sweeps]
