@@ -7,7 +7,10 @@ use std::path::Path;
 use flate2::bufread::MultiGzDecoder;
 
 use crate::error::Error;
-use crate::volume::Progress;
+
+/// What is called while a file is read, on the thread that reads it: bytes read so far, bytes of
+/// the file (0 if its length is not known).
+pub type Progress<'a> = &'a dyn Fn(u64, u64);
 
 /// Bytes between two reports of the progress.
 const REPORT_EVERY: u64 = 1 << 22;

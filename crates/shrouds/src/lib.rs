@@ -38,3 +38,8 @@ pub use grid::Grid;
 pub use mesh::TriMesh;
 pub use pipeline::{Settings, Shroud, Times, shroud, shroud_observed};
 pub use volume::{Occupancy, Select};
+
+/// The README's example runs as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

@@ -12,14 +12,10 @@ use std::path::Path;
 use shrouds::{Grid, Occupancy, Select};
 
 use crate::error::Error;
-use crate::stream::Stream;
+use crate::stream::{Progress, Stream};
 
 pub use npy::write_npy;
 pub use values::Values;
-
-/// What is called while a file is read, on the thread that reads it: bytes read so far, bytes of
-/// the file (0 if its length is not known).
-pub type Progress<'a> = &'a dyn Fn(u64, u64);
 
 /// The values of a volume file on their lattice.
 #[derive(Debug, Clone, PartialEq)]
