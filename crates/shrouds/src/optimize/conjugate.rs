@@ -26,7 +26,7 @@ struct State {
     residual: f32,
     /// The matrix times the direction.
     image: f32,
-    /// Inverse of the damped diagonal; 0 for a fixed vertex.
+    /// Inverse of the diagonal; 0 for a fixed vertex.
     inverse: f32,
 }
 
@@ -58,29 +58,29 @@ impl Workspace {
     /// Long runs of conjugate gradients leave the box along its almost flat valleys, and cutting the
     /// step at the end would spoil it; so it is cut after every short segment, the vertices that were
     /// cut stay where they are, and the next segment starts from the corrected residual.
-    pub(super) fn solve(&mut self, model: &Model, room: &Room, damping: &[f32], effort: &Effort) {
-        let mut norm = self.start(model, room, damping);
+    pub(super) fn solve(&mut self, model: &Model, room: &Room, effort: &Effort) {
+        let mut norm = self.start(model, room);
         let goal = norm * effort.reduction * effort.reduction;
         for segment in 0..effort.segments {
             if norm <= goal {
                 return;
             }
-            norm = self.segment(model, damping, effort.segment, norm, goal);
+            norm = self.segment(model, effort.segment, norm, goal);
             let cut = self.cut_to(room);
             if cut && segment + 1 < effort.segments {
-                norm = self.recompute_residual(model, damping);
+                norm = self.recompute_residual(model);
             }
         }
     }
 
     /// Starts from no step at all. Returns the squared norm of the residual in the metric of the
     /// preconditioner, as the functions below do.
-    fn start(&mut self, model: &Model, room: &Room, damping: &[f32]) -> f64 {
+    fn start(&mut self, model: &Model, room: &Room) -> f64 {
         parallel::update_sum(&mut self.states, |v, state| {
             let gradient = model.gradient(v);
             let held =
                 (room.low[v] >= 0.0 && gradient > 0.0) || (room.high[v] <= 0.0 && gradient < 0.0);
-            let diagonal = model.diagonal(v) * (1.0 + f64::from(damping[v]));
+            let diagonal = model.diagonal(v);
             let free = !held && diagonal > 0.0;
             *state = State::default();
             if free {
@@ -92,21 +92,14 @@ impl Workspace {
     }
 
     /// Conjugate gradients from the current residual.
-    fn segment(
-        &mut self,
-        model: &Model,
-        damping: &[f32],
-        iterations: usize,
-        mut norm: f64,
-        goal: f64,
-    ) -> f64 {
+    fn segment(&mut self, model: &Model, iterations: usize, mut norm: f64, goal: f64) -> f64 {
         let states = &self.states;
         parallel::fill(&mut self.direction, |v| states[v].inverse * states[v].residual);
         for _ in 0..iterations {
             let direction = &self.direction;
             let curvature = parallel::update_sum(&mut self.states, |v, state| {
                 let free = state.inverse > 0.0;
-                state.image = if free { model.product(v, direction, damping[v]) } else { 0.0 };
+                state.image = if free { model.product(v, direction) } else { 0.0 };
                 f64::from(state.image * direction[v])
             });
             if curvature <= 0.0 {
@@ -144,13 +137,13 @@ impl Workspace {
         cuts > 0.0
     }
 
-    fn recompute_residual(&mut self, model: &Model, damping: &[f32]) -> f64 {
+    fn recompute_residual(&mut self, model: &Model) -> f64 {
         let states = &self.states;
         parallel::fill(&mut self.direction, |v| states[v].step);
         let step = &self.direction;
         parallel::update_sum(&mut self.states, |v, state| {
             if state.inverse > 0.0 {
-                state.residual = -model.gradient(v) as f32 - model.product(v, step, damping[v]);
+                state.residual = -model.gradient(v) as f32 - model.product(v, step);
             }
             state.norm_squared()
         })

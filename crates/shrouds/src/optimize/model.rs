@@ -2,7 +2,6 @@
 
 use crate::optimize::problem::{Problem, Quadratic, Univariate};
 use crate::parallel;
-use crate::vector::dot;
 
 /// Row of the Gauss–Newton matrix of one vertex: its coupling to itself and, in each of its four
 /// slots, to the vertices one and two steps away.
@@ -60,20 +59,6 @@ impl Model {
         });
     }
 
-    /// By how much the model expects ρ at vertex `v`, weighted and summed over its two curves, to
-    /// change when the positions change by `moves`.
-    pub(super) fn expected_change(&self, v: usize, moves: impl Fn(usize) -> f64) -> f64 {
-        let on_curve = |c: usize| {
-            let term = &self.terms[v][c];
-            let [before, after] =
-                [2 * c, 2 * c + 1].map(|slot| self.rows[v].near_vertices[slot] as usize);
-            let d = [before, v, after].map(&moves);
-            let bent = |i: usize| dot(term.hessian[i], d);
-            (0..3).map(|i| d[i] * (term.gradient[i] + 0.5 * bent(i))).sum::<f64>()
-        };
-        on_curve(0) + on_curve(1)
-    }
-
     /// How far vertex `v` would move from `x` to the minimum of the model if all others stayed.
     pub(super) fn lone_step(&self, v: usize, x: f64, [low, high]: [f64; 2]) -> f64 {
         let length = self.gradient(v) / self.diagonal(v).max(f64::MIN_POSITIVE);
@@ -88,11 +73,10 @@ impl Model {
         f64::from(self.rows[v].diagonal)
     }
 
-    /// Entry `v` of the product of the matrix, its diagonal raised by the factor `1 + damping`, with
-    /// a vector.
-    pub(super) fn product(&self, v: usize, vector: &[f32], damping: f32) -> f32 {
+    /// Entry `v` of the product of the matrix with a vector.
+    pub(super) fn product(&self, v: usize, vector: &[f32]) -> f32 {
         let row = &self.rows[v];
-        let mut sum = row.diagonal * (1.0 + damping) * vector[v];
+        let mut sum = row.diagonal * vector[v];
         for slot in 0..4 {
             sum += row.near[slot] * vector[row.near_vertices[slot] as usize];
             sum += row.far[slot] * vector[row.far_vertices[slot] as usize];

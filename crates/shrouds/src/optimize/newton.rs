@@ -22,15 +22,6 @@ const SETTLED: f64 = 1e-3;
 const SHORT_CHORD: f64 = 0.2;
 /// A curve that turns so much that this is above the cosine may sit in a local minimum of one vertex.
 const SHARP_TURN: f64 = 0.3;
-/// Damping to start with and its limits, and how it changes where a step raised the energy and where
-/// it did not.
-const FIRST_DAMPING: f32 = 1e-3;
-const LEAST_DAMPING: f32 = 1e-9;
-const MOST_DAMPING: f32 = 1e3;
-const RAISE: f32 = 8.0;
-const LOWER: f32 = 0.3;
-/// A rise against the model's expectation is damped where it is at least this part of the largest.
-const SURPRISING: f64 = 0.1;
 /// A vertex that would move farther than this if it were alone is awkward; so many sweeps over the
 /// awkward ones follow a step, if they are at most one in `FEW`.
 const LONG_LONE_STEP: f64 = 0.003;
@@ -80,24 +71,12 @@ struct Limits {
 struct Newton {
     model: Model,
     workspace: Workspace,
-    /// By how much the diagonal of every vertex is raised, as a factor. It grows only where a step
-    /// raised the energy, so that a few awkward places do not hold up the rest.
-    damping: Vec<f32>,
-    /// The energy by vertex, before and after a step.
-    before: Vec<f64>,
-    after: Vec<f64>,
 }
 
 impl Newton {
     fn new(problem: &Problem) -> Self {
         let count = problem.vertex_count();
-        Self {
-            model: Model::new(problem),
-            workspace: Workspace::new(count),
-            damping: vec![FIRST_DAMPING; count],
-            before: vec![0.0; count],
-            after: vec![0.0; count],
-        }
+        Self { model: Model::new(problem), workspace: Workspace::new(count) }
     }
 
     fn round(
@@ -143,37 +122,28 @@ impl Newton {
         round
     }
 
-    /// One step that lowers the energy, with more damping where the model misled it until it does.
-    /// Returns the new energy, or nothing when no attempt helped.
+    /// One step that lowers the energy: of all vertices together, or else vertex by vertex. Returns
+    /// the new energy, or nothing when neither helped.
     fn step(&mut self, problem: &Problem, x: &mut Vec<f64>, energy: f64) -> Option<f64> {
-        const ATTEMPTS: usize = 8;
         const EFFORT: Effort = Effort { segment: 25, segments: 4, reduction: 1e-2 };
-        let room = room(problem, x);
-        let awkward = self.awkward(problem, x);
-        problem.value_by_vertex(x, &mut self.before);
-        for _ in 0..ATTEMPTS {
-            self.workspace.solve(&self.model, &room, &self.damping, &EFFORT);
-            let mut trial = vec![0.0; x.len()];
-            let workspace = &self.workspace;
-            let [low, high] = problem.bounds;
-            parallel::fill(&mut trial, |v| (x[v] + workspace.step(v)).clamp(low, high));
-            repair(problem, &mut trial, &awkward);
-            let lower = problem.value_by_vertex(&trial, &mut self.after);
-            if lower < energy + univariate::ROUNDING * energy.abs() {
-                *x = trial;
-                parallel::update(&mut self.damping, |_, damping| {
-                    *damping = (*damping * LOWER).max(LEAST_DAMPING);
-                });
-                return Some(lower);
-            }
-            self.damp_surprises(problem, x, &trial);
+        self.workspace.solve(&self.model, &room(problem, x), &EFFORT);
+        let workspace = &self.workspace;
+        let [low, high] = problem.bounds;
+        let mut together = vec![0.0; x.len()];
+        parallel::fill(&mut together, |v| (x[v] + workspace.step(v)).clamp(low, high));
+        repair(problem, &mut together, &self.awkward(problem, x));
+        let lower = problem.value(&together);
+        if lower < energy + univariate::ROUNDING * energy.abs() {
+            *x = together;
+            return Some(lower);
         }
-        // Vertex by vertex the energy falls wherever a slope is left.
-        let mut trial = x.clone();
-        repair(problem, &mut trial, &awkward);
-        let lower = problem.value(&trial);
+        // The model misled the step somewhere. Alone, every vertex with a slope left can go down.
+        let mut alone = x.clone();
+        let all: Vec<u32> = (0..x.len() as u32).collect();
+        repair(problem, &mut alone, &all);
+        let lower = problem.value(&alone);
         (lower < energy).then(|| {
-            *x = trial;
+            *x = alone;
             lower
         })
     }
@@ -187,26 +157,6 @@ impl Newton {
         };
         let list: Vec<u32> = (0..x.len() as u32).filter(far).collect();
         if list.len() <= x.len() / FEW { list } else { Vec::new() }
-    }
-
-    /// Raises the damping where the energy rose most against the expectation of the model.
-    fn damp_surprises(&mut self, problem: &Problem, x: &[f64], trial: &[f64]) {
-        let mut own = vec![0.0; x.len()];
-        parallel::fill(&mut own, |v| {
-            let change = self.after[v] - self.before[v];
-            change - self.model.expected_change(v, |u| trial[u] - x[u])
-        });
-        let mut surprise = vec![0.0; x.len()];
-        parallel::fill(&mut surprise, |v| {
-            let beside = (0..4).filter_map(|slot| problem.network.neighbour(v as u32, slot));
-            own[v] + beside.map(|(u, _)| own[u as usize]).sum::<f64>()
-        });
-        let most = surprise.iter().copied().fold(0.0, f64::max);
-        parallel::update(&mut self.damping, |v, damping| {
-            if surprise[v] >= SURPRISING * most {
-                *damping = (*damping * RAISE).clamp(FIRST_DAMPING, MOST_DAMPING);
-            }
-        });
     }
 }
 

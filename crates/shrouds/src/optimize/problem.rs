@@ -106,14 +106,6 @@ impl<'a> Problem<'a> {
         parallel::sum(x.len(), |v| self.own_value(x, v))
     }
 
-    /// As [`Problem::value`], leaving the part of every vertex in `parts`.
-    pub(super) fn value_by_vertex(&self, x: &[f64], parts: &mut [f64]) -> f64 {
-        parallel::update_sum(parts, |v, part| {
-            *part = self.own_value(x, v);
-            *part
-        })
-    }
-
     fn own_value(&self, x: &[f64], v: usize) -> f64 {
         let [a, b] = [0, 1].map(|c| self.rho(x, v as u32, c));
         a + b + self.barrier(x[v])
