@@ -22,6 +22,7 @@
 
 mod error;
 mod parallel;
+mod random;
 mod vector;
 pub mod grid;
 pub mod volume;

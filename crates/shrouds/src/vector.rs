@@ -10,7 +10,7 @@ pub(crate) fn subtract<const D: usize>(a: [f64; D], b: [f64; D]) -> [f64; D] {
     std::array::from_fn(|k| a[k] - b[k])
 }
 
-pub(crate) fn scale<const D: usize>(a: [f64; D], factor: f64) -> [f64; D] {
+pub(crate) fn scale(a: Vector, factor: f64) -> Vector {
     a.map(|x| x * factor)
 }
 
@@ -22,7 +22,7 @@ pub(crate) fn cross(a: Vector, b: Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-pub(crate) fn length<const D: usize>(a: [f64; D]) -> f64 {
+pub(crate) fn length(a: Vector) -> f64 {
     dot(a, a).sqrt()
 }
 
@@ -34,10 +34,7 @@ pub(crate) fn unit(a: Vector) -> Vector {
 
 /// Direction of a curve between two chords that both point forwards: the tangent of the circle
 /// through the three vertices. Where one is missing it is the other; its length means nothing.
-pub(crate) fn tangent<const D: usize>(
-    before: Option<[f64; D]>,
-    after: Option<[f64; D]>,
-) -> Option<[f64; D]> {
+pub(crate) fn tangent(before: Option<Vector>, after: Option<Vector>) -> Option<Vector> {
     match (before, after) {
         (Some(u), Some(w)) => {
             let (uu, ww) = (dot(u, u), dot(w, w));

@@ -10,15 +10,19 @@ use std::path::{Path, PathBuf};
 const ARROWS: &[(&str, &[&str])] = &[
     ("error", &[]),
     ("parallel", &[]),
+    ("random", &[]),
     ("vector", &[]),
     ("grid", &["error"]),
-    ("volume", &["grid", "error", "parallel"]),
+    ("volume", &["grid", "error", "parallel", "random"]),
     ("surface", &["grid", "volume", "error", "parallel"]),
     ("network", &["surface", "volume", "error", "parallel"]),
     ("energy", &[]),
     (
         "optimize",
-        &["surface", "network", "energy", "volume", "grid", "error", "parallel", "vector"],
+        &[
+            "surface", "network", "energy", "volume", "grid", "error", "parallel", "vector",
+            "random",
+        ],
     ),
     ("mesh", &["grid", "surface", "network", "error", "parallel", "vector"]),
     // The judge shares nothing with what it judges.

@@ -38,16 +38,3 @@ impl Parameter {
         [first, second]
     }
 }
-
-impl std::str::FromStr for Parameter {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<Self, String> {
-        match name {
-            "uniform" => Ok(Self::Uniform),
-            "chord" => Ok(Self::Chord),
-            "centripetal" => Ok(Self::Centripetal),
-            _ => Err(format!("unknown parameter '{name}': uniform, chord or centripetal")),
-        }
-    }
-}

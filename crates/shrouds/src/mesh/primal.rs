@@ -23,7 +23,8 @@ pub(super) fn mesh(
 }
 
 /// Of the legal triangulations of every patch the one whose triangles fit the mean normals of their
-/// corners best. Where a cell has several patches, which could cross, all keep the fixed one.
+/// corners best. Patches that could fold or cross, those that
+/// touch a cell face twice and those of cells with several, keep the fixed one.
 fn fitted(surface: &Surface, vertices: &[Vector], normals: &[Vector]) -> Vec<[u32; 3]> {
     // Mirrored axes turn the patches' corners clockwise in the world.
     let sign = if surface.grid().is_mirrored() { -1.0 } else { 1.0 };
@@ -32,7 +33,7 @@ fn fitted(surface: &Surface, vertices: &[Vector], normals: &[Vector]) -> Vec<[u3
         for p in range {
             let (patch, shape) = (surface.patch(p), surface.patch_shape(p));
             if !shape.is_alone() || !shape.twins().is_empty() {
-                triangles.extend(shape.fixed().iter().map(|t| t.map(|c| patch[usize::from(c)])));
+                triangles.extend(shape.fixed_triangles(patch));
                 continue;
             }
             let at = |corner: usize| patch[corner] as usize;

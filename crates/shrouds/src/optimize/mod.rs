@@ -49,7 +49,7 @@ pub fn optimize(
     let rounds = match settings.solver {
         _ if x.is_empty() => Vec::new(),
         Solver::Newton => newton::solve(&mut problem, &mut x, settings, observer),
-        Solver::Sweeps => sweeps::solve(&mut problem, surface, &mut x, settings, observer),
+        Solver::Sweeps => sweeps::solve(&mut problem, &mut x, settings, observer),
     };
     let report = Report::new(&problem, rounds, &first, &x);
     let delta = surface.crossings().iter().zip(&x).map(|(c, &x)| c.from_low(x)).collect();

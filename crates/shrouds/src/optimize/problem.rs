@@ -13,7 +13,7 @@ const LEAST_WEIGHT: f64 = 1e-4;
 /// The function to minimise. Weights and barrier depend on the surface; they are frozen while
 /// solving and refreshed by [`Problem::freeze`]. Lengths are in units of the smallest spacing.
 pub(super) struct Problem<'a> {
-    surface: &'a Surface,
+    pub(super) surface: &'a Surface,
     pub(super) network: &'a Network,
     energy: &'a dyn CurveEnergy,
     spacing: [f64; 3],

@@ -2,6 +2,7 @@
 
 use crate::optimize::settings::Start;
 use crate::parallel;
+use crate::random::uniform;
 use crate::surface::Surface;
 use crate::volume::{Border, Occupancy};
 
@@ -11,17 +12,9 @@ pub(super) fn positions(volume: &Occupancy, surface: &Surface, start: &Start) ->
     match *start {
         Start::Midpoint => {}
         Start::Blur => blur(volume, surface, &mut x),
-        Start::Random(seed) => parallel::fill(&mut x, |v| random(seed, v as u64)),
+        Start::Random(seed) => parallel::fill(&mut x, |v| uniform(seed, v as u64)),
     }
     x
-}
-
-/// A number in [0, 1) from a seed and an index (the finaliser of splitmix64).
-fn random(seed: u64, index: u64) -> f64 {
-    let mut z = seed.wrapping_add((index + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15));
-    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    (z ^ (z >> 31)) as f64 / 2f64.powi(64)
 }
 
 /// Weights of the binomial filter: a blur by one voxel (variance 1) that stays in integers.

@@ -35,6 +35,11 @@ impl LoopShape {
         &self.fixed
     }
 
+    /// The fixed triangles of a patch of this shape, as vertex indices.
+    pub(crate) fn fixed_triangles(&self, patch: &[u32]) -> impl Iterator<Item = [u32; 3]> {
+        self.fixed.iter().map(move |t| t.map(|corner| patch[usize::from(corner)]))
+    }
+
     /// The cell of the loop as seen from the grid edge of corner `i`, which four cells surround: bit
     /// 0 is set when the cell lies on the high side along the axis after the edge's own, bit 1 along
     /// the one after that.

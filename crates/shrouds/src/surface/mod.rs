@@ -98,7 +98,7 @@ impl Surface {
     pub fn fixed_triangles(&self) -> Vec<[u32; 3]> {
         let mut triangles = Vec::with_capacity(self.corners.len() - 2 * self.patch_count());
         for (patch, shape) in self.patches() {
-            triangles.extend(shape.fixed().iter().map(|t| t.map(|c| patch[usize::from(c)])));
+            triangles.extend(shape.fixed_triangles(patch));
         }
         triangles
     }
