@@ -31,6 +31,39 @@ pub(crate) fn blocks<R: Send>(
     (0..blocks).map(run).collect()
 }
 
+/// No further arrays for [`update_blocks`].
+pub(crate) const NONE: [&mut [u8]; 0] = [];
+
+/// `f(first, block)` for successive blocks, taken at the same place from several arrays of one length,
+/// the first of another type than the others; the sum of what it returns, always in the same order.
+pub(crate) fn update_blocks<T: Send, U: Send, const N: usize>(
+    leading: &mut [T],
+    others: [&mut [U]; N],
+    f: impl Fn(usize, &mut [T], [&mut [U]; N]) -> f64 + Sync,
+) -> f64 {
+    let count = leading.len();
+    assert!(others.iter().all(|other| other.len() == count), "arrays of one length");
+    let mut rest = others.map(|other| other.chunks_mut(BLOCK));
+    let blocks: Vec<(usize, &mut [T], [&mut [U]; N])> = leading
+        .chunks_mut(BLOCK)
+        .enumerate()
+        .map(|(n, block)| {
+            (n * BLOCK, block, rest.each_mut().map(|chunks| chunks.next().unwrap_or_default()))
+        })
+        .collect();
+    let run = |(first, block, others)| f(first, block, others);
+    #[cfg(feature = "parallel")]
+    let sums: Vec<f64> = blocks.into_par_iter().map(run).collect();
+    #[cfg(not(feature = "parallel"))]
+    let sums: Vec<f64> = blocks.into_iter().map(run).collect();
+    sums.into_iter().sum()
+}
+
+/// Sum of `f(range)` over successive blocks of `0..count`, always in the same order.
+pub(crate) fn sum_blocks(count: usize, f: impl Fn(Range<usize>) -> f64 + Sync) -> f64 {
+    blocks(count, BLOCK, f).into_iter().sum()
+}
+
 /// Sum of `f(i)` over `0..count`, always in the same order.
 pub(crate) fn sum(count: usize, f: impl Fn(usize) -> f64 + Sync) -> f64 {
     blocks(count, BLOCK, |range| range.map(&f).sum::<f64>()).into_iter().sum()

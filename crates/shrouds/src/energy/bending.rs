@@ -12,6 +12,7 @@ use crate::energy::{CurveFormula, Point2, Scalar, chord, length, scaled};
 pub struct Bending;
 
 impl CurveFormula for Bending {
+    #[inline]
     fn residual<S: Scalar>(&self, points: [Point2<S>; 3]) -> [S; 2] {
         let (before, after) = (chord(points[0], points[1]), chord(points[1], points[2]));
         let (l0, l1) = (length(before), length(after));

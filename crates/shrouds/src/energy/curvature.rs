@@ -13,6 +13,7 @@ pub struct Curvature {
 }
 
 impl CurveFormula for Curvature {
+    #[inline]
     fn residual<S: Scalar>(&self, points: [Point2<S>; 3]) -> [S; 2] {
         let [first, second] = self.parameter.derivatives(points);
         let speed_squared = first[0] * first[0] + first[1] * first[1];

@@ -20,6 +20,7 @@ impl Default for Linear {
 }
 
 impl CurveFormula for Linear {
+    #[inline]
     fn residual<S: Scalar>(&self, points: [Point2<S>; 3]) -> [S; 2] {
         let [_, second] = self.parameter.derivatives(points);
         second

@@ -18,25 +18,31 @@ pub use linear::Linear;
 pub use parameter::Parameter;
 pub use scalar::{Scalar, Slope};
 
+use wide::f64x4;
+
 /// A point in the plane of a curve.
 pub type Point2<S = f64> = [S; 2];
 
-/// Three successive vertices of a planar polygon, each free to move along one coordinate.
+/// Numbers of several stencils side by side, for arithmetic on all of them at once.
+pub type Lanes = [f64; 4];
+
+/// Three successive vertices of a planar polygon, each free to move along a line: one stencil, or
+/// with `T =` [`Lanes`] four.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stencil {
+pub struct Stencil<T = f64> {
     /// The previous vertex, the vertex that ρ belongs to, and the next one.
-    pub points: [Point2; 3],
-    /// The coordinate (0 or 1) along which each of them moves.
-    pub moves: [usize; 3],
+    pub points: [Point2<T>; 3],
+    /// How each of them moves as its unknown grows.
+    pub moves: [Point2<T>; 3],
 }
 
 /// ρ at a vertex as a sum of squares, and how it changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Term {
+pub struct Term<T = f64> {
     /// `ρ = residual[0]² + residual[1]²`.
-    pub residual: [f64; 2],
-    /// Derivative of each residual as each of the three vertices moves along its coordinate.
-    pub slope: [[f64; 3]; 2],
+    pub residual: [T; 2],
+    /// Derivative of each residual with respect to the unknowns of the three vertices.
+    pub slope: [[T; 3]; 2],
 }
 
 /// A measure ρ of how far a polygon is from smooth at one of its vertices, written as a formula.
@@ -67,8 +73,12 @@ pub trait CurveFormula: Send + Sync {
 pub trait CurveEnergy: Send + Sync {
     /// ρ and its derivatives.
     fn term(&self, stencil: &Stencil) -> Term;
+    /// ρ and its derivatives at four stencils.
+    fn terms(&self, stencils: &Stencil<Lanes>) -> Term<Lanes>;
     /// ρ at the middle one of three successive vertices.
     fn rho(&self, points: &[Point2; 3]) -> f64;
+    /// ρ at four stencils.
+    fn rhos(&self, points: &[Point2<Lanes>; 3]) -> Lanes;
     /// See [`CurveFormula::meusnier_exponent`].
     fn meusnier_exponent(&self) -> f64;
     /// See [`CurveFormula::barrier`].
@@ -77,17 +87,24 @@ pub trait CurveEnergy: Send + Sync {
 
 impl<F: CurveFormula> CurveEnergy for F {
     fn term(&self, stencil: &Stencil) -> Term {
-        let mut points = stencil.points.map(|p| p.map(Slope::constant));
-        for (n, &coordinate) in stencil.moves.iter().enumerate() {
-            points[n][coordinate].slope[n] = 1.0;
+        differentiate(self, stencil.points, stencil.moves)
+    }
+
+    fn terms(&self, stencils: &Stencil<Lanes>) -> Term<Lanes> {
+        let load = |points: [Point2<Lanes>; 3]| points.map(|p| p.map(f64x4::from));
+        let term = differentiate(self, load(stencils.points), load(stencils.moves));
+        Term {
+            residual: term.residual.map(f64x4::to_array),
+            slope: term.slope.map(|slopes| slopes.map(f64x4::to_array)),
         }
-        let residual = self.residual(points);
-        Term { residual: residual.map(|r| r.value), slope: residual.map(|r| r.slope) }
     }
 
     fn rho(&self, points: &[Point2; 3]) -> f64 {
-        let [a, b] = self.residual(*points);
-        a * a + b * b
+        sum_of_squares(self.residual(*points))
+    }
+
+    fn rhos(&self, points: &[Point2<Lanes>; 3]) -> Lanes {
+        sum_of_squares(self.residual(points.map(|p| p.map(f64x4::from)))).to_array()
     }
 
     fn meusnier_exponent(&self) -> f64 {
@@ -99,23 +116,44 @@ impl<F: CurveFormula> CurveEnergy for F {
     }
 }
 
+/// The residuals of three vertices with their derivatives along the vertices' moves.
+#[inline(always)]
+fn differentiate<S: Scalar>(
+    formula: &impl CurveFormula,
+    points: [Point2<S>; 3],
+    moves: [Point2<S>; 3],
+) -> Term<S> {
+    let unknown = |n: usize, k: usize| {
+        let mut slope = [S::constant(0.0); 3];
+        slope[n] = moves[n][k];
+        Slope { value: points[n][k], slope }
+    };
+    let residual = formula.residual([0, 1, 2].map(|n| [0, 1].map(|k| unknown(n, k))));
+    Term { residual: residual.map(|r| r.value), slope: residual.map(|r| r.slope) }
+}
+
+#[inline(always)]
+fn sum_of_squares<S: Scalar>([a, b]: [S; 2]) -> S {
+    a * a + b * b
+}
+
 /// The vector from `a` to `b`.
-#[inline]
+#[inline(always)]
 fn chord<S: Scalar>(a: Point2<S>, b: Point2<S>) -> Point2<S> {
     [b[0] - a[0], b[1] - a[1]]
 }
 
-#[inline]
+#[inline(always)]
 fn length<S: Scalar>(v: Point2<S>) -> S {
     (v[0] * v[0] + v[1] * v[1]).sqrt()
 }
 
-#[inline]
+#[inline(always)]
 fn scaled<S: Scalar>(v: Point2<S>, factor: S) -> Point2<S> {
     [v[0] * factor, v[1] * factor]
 }
 
-#[inline]
+#[inline(always)]
 fn cross<S: Scalar>(a: Point2<S>, b: Point2<S>) -> S {
     a[0] * b[1] - a[1] * b[0]
 }

@@ -16,6 +16,7 @@ pub enum Parameter {
 }
 
 impl Parameter {
+    #[inline]
     fn of_middle<S: Scalar>(self, before: Point2<S>, after: Point2<S>) -> S {
         let share = |a: S, b: S| a / (a + b);
         match self {
@@ -29,6 +30,7 @@ impl Parameter {
     ///
     /// With divided differences `a = (P₁ − P₀)/t` and `b = (P₂ − P₁)/(1 − t)` they are
     /// `(1 − t)·a + t·b` and `2·(b − a)`.
+    #[inline]
     pub(super) fn derivatives<S: Scalar>(self, points: [Point2<S>; 3]) -> [Point2<S>; 2] {
         let (before, after) = (chord(points[0], points[1]), chord(points[1], points[2]));
         let t = self.of_middle(before, after);

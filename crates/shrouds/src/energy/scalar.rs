@@ -5,6 +5,8 @@
 
 use std::ops::{Add, Div, Mul, Sub};
 
+use wide::f64x4;
+
 /// What a formula may do with a number.
 pub trait Scalar:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
@@ -26,70 +28,82 @@ impl Scalar for f64 {
     }
 }
 
-/// A value with its derivatives with respect to three unknowns.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Slope {
-    /// The value.
-    pub value: f64,
-    /// The three derivatives.
-    pub slope: [f64; 3],
+/// Four numbers at a time, each rounded as it would be alone.
+impl Scalar for f64x4 {
+    #[inline(always)]
+    fn constant(value: f64) -> Self {
+        Self::splat(value)
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        f64x4::sqrt(self)
+    }
 }
 
-impl Slope {
+/// A value with its derivatives with respect to three unknowns.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slope<S = f64> {
+    /// The value.
+    pub value: S,
+    /// The three derivatives.
+    pub slope: [S; 3],
+}
+
+impl<S: Scalar> Slope<S> {
     #[inline(always)]
-    fn chain(self, value: f64, derivative: f64) -> Self {
+    fn chain(self, value: S, derivative: S) -> Self {
         Self { value, slope: self.slope.map(|s| s * derivative) }
     }
 
     #[inline(always)]
-    fn combine(self, other: Self, value: f64, by_self: f64, by_other: f64) -> Self {
-        let slope = std::array::from_fn(|n| self.slope[n] * by_self + other.slope[n] * by_other);
-        Self { value, slope }
+    fn combine(self, other: Self, value: S, slope: impl Fn(S, S) -> S) -> Self {
+        Self { value, slope: std::array::from_fn(|n| slope(self.slope[n], other.slope[n])) }
     }
 }
 
-impl Scalar for Slope {
+impl<S: Scalar> Scalar for Slope<S> {
     #[inline(always)]
     fn constant(value: f64) -> Self {
-        Self { value, slope: [0.0; 3] }
+        Self { value: S::constant(value), slope: [S::constant(0.0); 3] }
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
         let root = self.value.sqrt();
-        self.chain(root, 0.5 / root)
+        self.chain(root, S::constant(0.5) / root)
     }
 }
 
-impl Add for Slope {
+impl<S: Scalar> Add for Slope<S> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        self.combine(other, self.value + other.value, 1.0, 1.0)
+        self.combine(other, self.value + other.value, |a, b| a + b)
     }
 }
 
-impl Sub for Slope {
+impl<S: Scalar> Sub for Slope<S> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        self.combine(other, self.value - other.value, 1.0, -1.0)
+        self.combine(other, self.value - other.value, |a, b| a - b)
     }
 }
 
-impl Mul for Slope {
+impl<S: Scalar> Mul for Slope<S> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        self.combine(other, self.value * other.value, other.value, self.value)
+        let slope = |a, b| a * other.value + b * self.value;
+        self.combine(other, self.value * other.value, slope)
     }
 }
 
-impl Div for Slope {
+impl<S: Scalar> Div for Slope<S> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        let inverse = 1.0 / other.value;
+        let inverse = S::constant(1.0) / other.value;
         let ratio = self.value * inverse;
-        self.combine(other, ratio, inverse, -ratio * inverse)
+        self.combine(other, ratio, |a, b| (a - ratio * b) * inverse)
     }
 }

@@ -1,22 +1,28 @@
-//! Stage 3 of 7, network: in a surface, out the four neighbours of every vertex on its planar curves.
+//! Stage 3 of 7, network: in a surface, out all planar curves in order.
 //!
 //! The 4\*-network of the paper (Theorem 1): every lattice plane cuts a separating surface in planar
 //! polygons, and every vertex lies on exactly two of them, one in each of the two lattice planes that
 //! contain its grid edge. So a vertex has four neighbours, fewer only where an open border ends a
 //! curve.
 //!
+//! The curves are stored one after another, vertex by vertex: energies are sums along curves, and
+//! neighbours on a curve are neighbours in memory.
+//!
 //! Uses: `volume` (its conventions), `surface`.
 
+mod step;
 mod theorem;
-mod walk;
+mod trace;
 
+pub(crate) use step::Step;
 pub use theorem::TheoremReport;
-pub use walk::Curve;
 
-use crate::surface::{Crossing, Surface};
+use std::ops::Range;
 
-/// Marks an absent neighbour.
-const NONE: u32 = u32::MAX;
+use step::Side;
+
+/// How many places before and after every curve repeat its other end.
+pub(crate) const REPEATED: usize = 2;
 
 /// How a neighbour's grid edge lies to one's own, within their common lattice plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,55 +47,47 @@ impl Link {
     }
 }
 
-/// The four neighbours of every vertex.
+/// One planar polygon of the 4\*-network.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    /// The axis normal to the lattice plane of the curve.
+    pub axis: usize,
+    /// Its vertices in order.
+    pub vertices: Vec<u32>,
+    /// Whether the last vertex is joined to the first; only an open border leaves a curve open.
+    pub closed: bool,
+}
+
+/// All planar curves, and so the four neighbours of every vertex.
 ///
 /// A vertex whose grid edge runs along axis `d` has two curves, `c = 0` and `c = 1`. Curve `c` lies
 /// in the lattice plane normal to axis `d + 1 + c`; in that plane the other axis is `e = d + 2 − c`
 /// (all modulo 3). Slot `2·c` holds the neighbour on the `−e` side of the grid edge, slot `2·c + 1`
 /// the one on the `+e` side.
+///
+/// A vertex on one of its curves is a *place*. The places of a curve are numbered one after another;
+/// before and after them its other end is repeated, so that loops along curves run straight through.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Network {
-    neighbours: Vec<[u32; 4]>,
-    /// Two bits a slot: the link's number, 3 for none.
-    links: Vec<u8>,
-    axes: Vec<u8>,
+    /// The vertex at every place.
+    vertices: Vec<u32>,
+    /// How its curve goes on from every place.
+    steps: Vec<Step>,
+    /// The places of every vertex on its curves 0 and 1.
+    places: Vec<[u32; 2]>,
+    /// First place of every curve, and of one more after the last.
+    starts: Vec<u32>,
 }
 
 impl Network {
-    /// Reads the network off the patches: two successive corners of a patch are neighbours in the
-    /// lattice plane of the cell face they share.
-    pub fn trace(surface: &Surface) -> Self {
-        let crossings = surface.crossings();
-        let mut network = Self {
-            neighbours: vec![[NONE; 4]; crossings.len()],
-            links: vec![u8::MAX; crossings.len()],
-            axes: crossings.iter().map(|c| c.axis() as u8).collect(),
-        };
-        for (patch, _) in surface.patches() {
-            for (n, &a) in patch.iter().enumerate() {
-                let b = patch[(n + 1) % patch.len()];
-                network.connect(crossings, a, b);
-                network.connect(crossings, b, a);
-            }
-        }
-        network
-    }
-
-    fn connect(&mut self, crossings: &[Crossing], from: u32, to: u32) {
-        let (slot, link) = slot_and_link(crossings[from as usize], crossings[to as usize]);
-        self.neighbours[from as usize][slot] = to;
-        let links = &mut self.links[from as usize];
-        *links = *links & !(3 << (2 * slot)) | (link as u8) << (2 * slot);
-    }
-
     /// Number of vertices.
     pub fn vertex_count(&self) -> usize {
-        self.neighbours.len()
+        self.places.len()
     }
 
     /// The axis that the grid edge of vertex `v` runs along.
     pub fn axis(&self, v: u32) -> usize {
-        usize::from(self.axes[v as usize])
+        self.steps[self.place(v, 0)].axis()
     }
 
     /// The axes normal to the plane of curve `c` (0 or 1) of vertex `v`, and across its grid edge
@@ -102,13 +100,16 @@ impl Network {
 
     /// The neighbour of vertex `v` in a slot, with the way its grid edge lies to that of `v`.
     pub fn neighbour(&self, v: u32, slot: usize) -> Option<(u32, Link)> {
-        let link = match self.links[v as usize] >> (2 * slot) & 3 {
-            0 => Link::Parallel,
-            1 => Link::AcrossLow,
-            2 => Link::AcrossHigh,
-            _ => return None,
-        };
-        Some((self.neighbours[v as usize][slot], link))
+        let place = self.place(v, slot / 2);
+        let side = if slot % 2 == 1 { Side::High } else { Side::Low };
+        let (here, before) = (self.steps[place], self.steps[place - 1]);
+        let next = || here.look(self.steps[place + 1].runs_second());
+        let previous = || before.look_back(here.runs_second());
+        match (next(), previous()) {
+            (Some((s, link)), _) if s == side => Some((self.vertices[place + 1], link)),
+            (_, Some((s, link))) if s == side => Some((self.vertices[place - 1], link)),
+            _ => None,
+        }
     }
 
     /// The curve (0 or 1) of vertex `v` that lies in a plane normal to `axis`, if any.
@@ -122,25 +123,52 @@ impl Network {
         [0, 1].map(|side| self.neighbour(v, 2 * c + side).map(|(u, _)| u))
     }
 
-    /// The vertex two steps from `v` along the curve of a slot.
-    pub fn second_neighbour(&self, v: u32, slot: usize) -> Option<u32> {
-        let (u, link) = self.neighbour(v, slot)?;
-        self.neighbour(u, link.back_slot(slot) ^ 1).map(|(far, _)| far)
+    /// All planar curves: those normal to x first, then y, then z, each family in the order of the
+    /// curves' smallest vertices; open curves, which start at an end, before closed ones.
+    pub fn curves(&self) -> impl Iterator<Item = Curve> {
+        (0..self.starts.len().saturating_sub(1)).map(|n| {
+            let places = self.curve_places(n);
+            Curve {
+                axis: self.steps[places.start].normal(),
+                closed: self.steps[places.end - 1].is_linked(),
+                vertices: self.vertices[places].to_vec(),
+            }
+        })
     }
-}
 
-/// The slot of `from` that leads to `to`, two crossings on a common cell face.
-fn slot_and_link(from: Crossing, to: Crossing) -> (usize, Link) {
-    let (d, f) = (from.axis(), to.axis());
-    let (p, q) = (from.low(), to.low());
-    let (e, high_side, link) = if d == f {
-        let e = if p[(d + 1) % 3] != q[(d + 1) % 3] { (d + 1) % 3 } else { (d + 2) % 3 };
-        (e, q[e] > p[e], Link::Parallel)
-    } else {
-        // The neighbour starts at our line or ends there.
-        let link = if q[d] == p[d] { Link::AcrossLow } else { Link::AcrossHigh };
-        (f, q[f] == p[f], link)
-    };
-    let c = usize::from(e == (d + 1) % 3);
-    (2 * c + usize::from(high_side), link)
+    /// The places of curve `n`.
+    fn curve_places(&self, n: usize) -> Range<usize> {
+        self.starts[n] as usize..self.starts[n + 1] as usize - 2 * REPEATED
+    }
+
+    /// The parts of a range of places that belong to curves and do not repeat others.
+    pub(crate) fn curve_parts(&self, range: Range<usize>) -> impl Iterator<Item = Range<usize>> {
+        let first = self.starts.partition_point(|&start| start as usize <= range.start);
+        (first.saturating_sub(1)..self.starts.len().saturating_sub(1))
+            .map(|n| self.curve_places(n))
+            .take_while(move |places| places.start < range.end)
+            .map(move |places| places.start.max(range.start)..places.end.min(range.end))
+            .filter(|part| !part.is_empty())
+    }
+
+    /// The place of vertex `v` on its curve `c`.
+    #[inline]
+    pub(crate) fn place(&self, v: u32, c: usize) -> usize {
+        self.places[v as usize][c] as usize
+    }
+
+    /// The places of all vertices on their curves 0 and 1.
+    pub(crate) fn places(&self) -> &[[u32; 2]] {
+        &self.places
+    }
+
+    /// The vertices at all places.
+    pub(crate) fn vertices(&self) -> &[u32] {
+        &self.vertices
+    }
+
+    /// How the curves go on from all places.
+    pub(crate) fn steps(&self) -> &[Step] {
+        &self.steps
+    }
 }

@@ -1,12 +1,13 @@
 //! Conjugate gradients on the Gauss–Newton model, within the box.
 
+use crate::network::Network;
 use crate::optimize::model::Model;
-use crate::parallel;
+use crate::parallel::{self, NONE};
 
 /// Room that the positions have: each step component must stay between these.
 pub(super) struct Room {
-    pub(super) low: Vec<f64>,
-    pub(super) high: Vec<f64>,
+    pub(super) low: Vec<f32>,
+    pub(super) high: Vec<f32>,
 }
 
 /// Effort spent on one step.
@@ -18,39 +19,39 @@ pub(super) struct Effort {
     pub(super) reduction: f64,
 }
 
-/// What conjugate gradients keep of one vertex. In single precision, which halves the memory that
-/// every iteration moves; the gradient of the next step makes up for it.
-#[derive(Clone, Copy, Default)]
-struct State {
-    step: f32,
-    residual: f32,
-    /// The matrix times the direction.
-    image: f32,
-    /// Inverse of the diagonal; 0 for a fixed vertex.
-    inverse: f32,
-}
-
-impl State {
-    /// Squared residual in the metric of the preconditioner.
-    fn norm_squared(&self) -> f64 {
-        f64::from(self.residual * self.residual * self.inverse)
-    }
-}
-
-/// Working vectors, kept between steps.
+/// Working vectors, kept between steps. In single precision, which halves the memory that every
+/// iteration moves; the gradient of the next step makes up for it.
 pub(super) struct Workspace {
-    states: Vec<State>,
+    step: Vec<f32>,
+    residual: Vec<f32>,
     direction: Vec<f32>,
+    /// The matrix times the direction.
+    image: Vec<f32>,
+    /// Inverse of the diagonal; 0 for a fixed vertex.
+    inverse: Vec<f32>,
+    /// The matrix without its diagonal times the direction, place by place.
+    place_images: Vec<f32>,
 }
+
+/// Partial sums kept side by side.
+const SUMS: usize = 8;
 
 impl Workspace {
-    pub(super) fn new(count: usize) -> Self {
-        Self { states: vec![State::default(); count], direction: vec![0.0; count] }
+    pub(super) fn new(network: &Network) -> Self {
+        let zeros = || vec![0.0; network.vertex_count()];
+        Self {
+            step: zeros(),
+            residual: zeros(),
+            direction: zeros(),
+            image: zeros(),
+            inverse: zeros(),
+            place_images: vec![0.0; network.vertices().len()],
+        }
     }
 
     /// The step of vertex `v` that the last call of [`Workspace::solve`] found.
     pub(super) fn step(&self, v: usize) -> f64 {
-        f64::from(self.states[v].step)
+        f64::from(self.step[v])
     }
 
     /// Minimises the model over steps within the room, approximately.
@@ -58,17 +59,17 @@ impl Workspace {
     /// Long runs of conjugate gradients leave the box along its almost flat valleys, and cutting the
     /// step at the end would spoil it; so it is cut after every short segment, the vertices that were
     /// cut stay where they are, and the next segment starts from the corrected residual.
-    pub(super) fn solve(&mut self, model: &Model, room: &Room, effort: &Effort) {
+    pub(super) fn solve(&mut self, model: &Model, network: &Network, room: &Room, effort: &Effort) {
         let mut norm = self.start(model, room);
         let goal = norm * effort.reduction * effort.reduction;
         for segment in 0..effort.segments {
             if norm <= goal {
                 return;
             }
-            norm = self.segment(model, effort.segment, norm, goal);
+            norm = self.segment(model, network, effort.segment, norm, goal);
             let cut = self.cut_to(room);
             if cut && segment + 1 < effort.segments {
-                norm = self.recompute_residual(model);
+                norm = self.recompute_residual(model, network);
             }
         }
     }
@@ -76,76 +77,148 @@ impl Workspace {
     /// Starts from no step at all. Returns the squared norm of the residual in the metric of the
     /// preconditioner, as the functions below do.
     fn start(&mut self, model: &Model, room: &Room) -> f64 {
-        parallel::update_sum(&mut self.states, |v, state| {
-            let gradient = model.gradient(v);
-            let held =
-                (room.low[v] >= 0.0 && gradient > 0.0) || (room.high[v] <= 0.0 && gradient < 0.0);
-            let diagonal = model.diagonal(v);
-            let free = !held && diagonal > 0.0;
-            *state = State::default();
-            if free {
-                state.inverse = (1.0 / diagonal) as f32;
-                state.residual = -gradient as f32;
+        let arrays = [&mut self.residual[..], &mut self.inverse];
+        parallel::update_blocks(&mut self.step, arrays, |first, step, [residual, inverse]| {
+            let mut norm = 0.0;
+            for n in 0..step.len() {
+                let v = first + n;
+                let (gradient, diagonal) = (model.gradient(v), model.diagonal(v));
+                let held = (room.low[v] >= 0.0 && gradient > 0.0)
+                    || (room.high[v] <= 0.0 && gradient < 0.0);
+                let free = !held && diagonal > 0.0;
+                step[n] = 0.0;
+                (inverse[n], residual[n]) =
+                    if free { ((1.0 / diagonal) as f32, -gradient as f32) } else { (0.0, 0.0) };
+                norm += f64::from(residual[n] * residual[n] * inverse[n]);
             }
-            state.norm_squared()
+            norm
         })
     }
 
     /// Conjugate gradients from the current residual.
-    fn segment(&mut self, model: &Model, iterations: usize, mut norm: f64, goal: f64) -> f64 {
-        let states = &self.states;
-        parallel::fill(&mut self.direction, |v| states[v].inverse * states[v].residual);
+    fn segment(
+        &mut self,
+        model: &Model,
+        network: &Network,
+        iterations: usize,
+        mut norm: f64,
+        goal: f64,
+    ) -> f64 {
+        self.redirect(0.0);
         for _ in 0..iterations {
-            let direction = &self.direction;
-            let curvature = parallel::update_sum(&mut self.states, |v, state| {
-                let free = state.inverse > 0.0;
-                state.image = if free { model.product(v, direction) } else { 0.0 };
-                f64::from(state.image * direction[v])
-            });
+            model.images(network, &self.direction, &mut self.place_images);
+            let curvature = self.combine(model, network);
             if curvature <= 0.0 {
                 break;
             }
-            let length = (norm / curvature) as f32;
-            let next = parallel::update_sum(&mut self.states, |v, state| {
-                state.step += length * direction[v];
-                state.residual -= length * state.image;
-                state.norm_squared()
-            });
+            let next = self.advance((norm / curvature) as f32);
             let ratio = (next / norm) as f32;
             norm = next;
             if norm <= goal {
                 break;
             }
-            let states = &self.states;
-            parallel::update(&mut self.direction, |v, direction| {
-                *direction = states[v].inverse * states[v].residual + ratio * *direction;
-            });
+            self.redirect(ratio);
         }
         norm
     }
 
+    /// The next direction: the preconditioned residual and a part of the direction before.
+    fn redirect(&mut self, ratio: f32) {
+        let (inverse, residual) = (&self.inverse, &self.residual);
+        parallel::update_blocks(&mut self.direction, NONE, |first, direction, []| {
+            let count = direction.len();
+            let (inverse, residual) = (&inverse[first..][..count], &residual[first..][..count]);
+            for n in 0..count {
+                direction[n] = inverse[n] * residual[n] + ratio * direction[n];
+            }
+            0.0
+        });
+    }
+
+    /// Adds the parts of the image at both places of every vertex and on the diagonal. Returns the
+    /// product of the image with the direction.
+    fn combine(&mut self, model: &Model, network: &Network) -> f64 {
+        let (direction, images) = (&self.direction, &self.place_images);
+        parallel::update_blocks(&mut self.image, NONE, |first, image, []| {
+            let count = image.len();
+            let places = &network.places()[first..][..count];
+            let diagonal = &model.diagonals()[first..][..count];
+            let direction = &direction[first..][..count];
+            for n in 0..count {
+                let [a, b] = places[n].map(|place| images[place as usize]);
+                image[n] = diagonal[n] * direction[n] + (a + b);
+            }
+            dot(image, direction)
+        })
+    }
+
+    /// Goes along the direction. Returns the new squared norm.
+    fn advance(&mut self, length: f32) -> f64 {
+        let (direction, image, inverse) = (&self.direction, &self.image, &self.inverse);
+        parallel::update_blocks(&mut self.step, [&mut self.residual], |first, step, [residual]| {
+            let count = step.len();
+            let direction = &direction[first..][..count];
+            let (image, inverse) = (&image[first..][..count], &inverse[first..][..count]);
+            for n in 0..count {
+                step[n] += length * direction[n];
+                residual[n] -= length * image[n];
+            }
+            norm(residual, inverse)
+        })
+    }
+
     /// Cuts the step to the room and fixes the vertices that were cut; whether there were any.
     fn cut_to(&mut self, room: &Room) -> bool {
-        let cuts = parallel::update_sum(&mut self.states, |v, state| {
-            let cut = state.step.clamp(room.low[v] as f32, room.high[v] as f32);
-            if cut == state.step {
-                return 0.0;
+        let arrays = [&mut self.residual[..], &mut self.inverse];
+        let cuts = parallel::update_blocks(&mut self.step, arrays, |first, step, [residual, inverse]| {
+            let mut cuts = 0.0;
+            for n in 0..step.len() {
+                let cut = step[n].clamp(room.low[first + n], room.high[first + n]);
+                if cut != step[n] {
+                    (step[n], residual[n], inverse[n]) = (cut, 0.0, 0.0);
+                    cuts += 1.0;
+                }
             }
-            *state = State { step: cut, ..State::default() };
-            1.0
+            cuts
         });
         cuts > 0.0
     }
 
-    fn recompute_residual(&mut self, model: &Model) -> f64 {
-        let states = &self.states;
-        parallel::fill(&mut self.direction, |v| states[v].step);
-        let step = &self.direction;
-        parallel::update_sum(&mut self.states, |v, state| {
-            if state.inverse > 0.0 {
-                state.residual = -model.gradient(v) as f32 - model.product(v, step);
+    fn recompute_residual(&mut self, model: &Model, network: &Network) -> f64 {
+        model.images(network, &self.step, &mut self.place_images);
+        let (step, inverse, images) = (&self.step, &self.inverse, &self.place_images);
+        parallel::update_blocks(&mut self.residual, NONE, |first, residual, []| {
+            for (n, residual) in residual.iter_mut().enumerate() {
+                let v = first + n;
+                let [a, b] = network.places()[v].map(|place| images[place as usize]);
+                let image = model.diagonals()[v] * step[v] + (a + b);
+                *residual = if inverse[v] > 0.0 { -model.gradient(v) as f32 - image } else { 0.0 };
             }
-            state.norm_squared()
+            norm(residual, &inverse[first..])
         })
     }
+}
+
+/// Squared residual in the metric of the preconditioner.
+fn norm(residual: &[f32], inverse: &[f32]) -> f64 {
+    sum_of(residual, inverse, |r, i| f64::from(r * r * i))
+}
+
+fn dot(a: &[f32], b: &[f32]) -> f64 {
+    sum_of(a, b, |a, b| f64::from(a * b))
+}
+
+/// The sum of `f` over pairs, in partial sums side by side.
+fn sum_of(a: &[f32], b: &[f32], f: impl Fn(f32, f32) -> f64) -> f64 {
+    let mut sums = [0.0; SUMS];
+    let b = &b[..a.len()];
+    let mut pairs = a.chunks_exact(SUMS).zip(b.chunks_exact(SUMS));
+    for (a, b) in &mut pairs {
+        for (l, sum) in sums.iter_mut().enumerate() {
+            *sum += f(a[l], b[l]);
+        }
+    }
+    let rest = a.len() - a.len() % SUMS;
+    let tail: f64 = a[rest..].iter().zip(&b[rest..]).map(|(&a, &b)| f(a, b)).sum();
+    sums.into_iter().sum::<f64>() + tail
 }

@@ -13,6 +13,7 @@ mod problem;
 mod report;
 mod settings;
 mod start;
+mod strip;
 mod sweeps;
 mod univariate;
 

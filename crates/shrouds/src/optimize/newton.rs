@@ -6,7 +6,7 @@ use crate::optimize::problem::Problem;
 use crate::optimize::report::{Round, Stationarity, Status};
 use crate::optimize::settings::{Observer, Progress, Settings};
 use crate::optimize::univariate;
-use crate::parallel;
+use crate::parallel::{self, NONE};
 
 /// The most often that weights and barrier are frozen anew, if the energy has any. They settle sooner:
 /// the rounds end with the first that finds nothing to do.
@@ -75,8 +75,7 @@ struct Newton {
 
 impl Newton {
     fn new(problem: &Problem) -> Self {
-        let count = problem.vertex_count();
-        Self { model: Model::new(problem), workspace: Workspace::new(count) }
+        Self { model: Model::new(problem), workspace: Workspace::new(problem.network) }
     }
 
     fn round(
@@ -126,7 +125,7 @@ impl Newton {
     /// the new energy, or nothing when neither helped.
     fn step(&mut self, problem: &Problem, x: &mut Vec<f64>, energy: f64) -> Option<f64> {
         const EFFORT: Effort = Effort { segment: 25, segments: 4, reduction: 1e-2 };
-        self.workspace.solve(&self.model, &room(problem, x), &EFFORT);
+        self.workspace.solve(&self.model, problem.network, &room(problem, x), &EFFORT);
         let workspace = &self.workspace;
         let [low, high] = problem.bounds;
         let mut together = vec![0.0; x.len()];
@@ -165,26 +164,32 @@ fn room(problem: &Problem, x: &[f64]) -> Room {
     let [low, high] = problem.bounds;
     let part = if problem.has_barrier() { MOST_OF_THE_WAY } else { 1.0 };
     let mut room = Room { low: vec![0.0; x.len()], high: vec![0.0; x.len()] };
-    parallel::fill(&mut room.low, |v| part * (low - x[v]));
-    parallel::fill(&mut room.high, |v| part * (high - x[v]));
+    parallel::fill(&mut room.low, |v| (part * (low - x[v])) as f32);
+    parallel::fill(&mut room.high, |v| (part * (high - x[v])) as f32);
     room
 }
 
 /// One univariate step on every vertex with a very short chord, a scan of the grid edge of every
 /// vertex where a curve turns sharply, and sweeps over the awkward ones, each in order.
 fn repair(problem: &Problem, x: &mut [f64], awkward: &[u32]) {
-    let lists = parallel::blocks(x.len(), 4096, |range| {
-        let shape = |v: u32| (v, problem.shape_at(x, v));
-        let bad = |&(_, (chord, cosine)): &(u32, (f64, f64))| {
-            chord < SHORT_CHORD * SHORT_CHORD || cosine < SHARP_TURN
-        };
-        (range.start as u32..range.end as u32).map(shape).filter(bad).collect::<Vec<_>>()
+    let places = problem.network.vertices().len();
+    let mut marks = vec![0u8; places];
+    parallel::update_blocks(&mut marks, NONE, |first, marks, []| {
+        problem.mark_places(x, first..first + marks.len(), |place, chord, cosine| {
+            marks[place - first] = u8::from(chord < SHORT_CHORD * SHORT_CHORD)
+                | u8::from(cosine < SHARP_TURN) << 1;
+        });
+        0.0
     });
-    for (v, (_, cosine)) in lists.concat() {
-        if cosine < SHARP_TURN {
+    for v in 0..x.len() as u32 {
+        let mark = (0..2).map(|c| problem.network.place(v, c)).filter(|&p| problem.counts(p));
+        let mark = mark.fold(0, |mark, place| mark | marks[place]);
+        if mark & 2 != 0 {
             univariate::scan(problem, x, v);
         }
-        univariate::step(problem, x, v);
+        if mark != 0 {
+            univariate::step(problem, x, v);
+        }
     }
     for _ in 0..AWKWARD_SWEEPS {
         for &v in awkward {

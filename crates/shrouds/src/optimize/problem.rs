@@ -1,7 +1,10 @@
 //! The energy of all planar curves as a function of the positions along the grid edges.
 
-use crate::energy::{CurveEnergy, Point2, Stencil};
-use crate::network::{Link, Network};
+use std::ops::Range;
+
+use crate::energy::{CurveEnergy, Lanes, Term};
+use crate::network::{Network, REPEATED};
+use crate::optimize::strip::{SHORT, STRIP, StepTable, Strip, WIDTH};
 use crate::parallel;
 use crate::surface::Surface;
 use crate::vector::{Vector, add, cross, dot, subtract};
@@ -17,18 +20,13 @@ pub(super) struct Problem<'a> {
     pub(super) network: &'a Network,
     energy: &'a dyn CurveEnergy,
     spacing: [f64; 3],
+    table: StepTable,
     pub(super) bounds: [f64; 2],
-    /// Weight of ρ at each vertex on both of its curves; 0 where a neighbour is missing.
-    weights: Vec<[f64; 2]>,
+    /// Weight of ρ at each vertex on both of its curves, but for the distance of the slices; 0 where
+    /// a neighbour is missing.
+    weights: Vec<[f32; 2]>,
     /// Strength μ of the barrier.
     barrier: f64,
-}
-
-/// A function of the three vertices of a stencil to second order (Gauss–Newton).
-#[derive(Clone, Copy, Default)]
-pub(super) struct Quadratic {
-    pub(super) gradient: [f64; 3],
-    pub(super) hessian: [[f64; 3]; 3],
 }
 
 /// A function of one position to second order.
@@ -49,7 +47,9 @@ impl<'a> Problem<'a> {
         let grid = surface.grid();
         let spacing = grid.spacing().map(|h| h / grid.min_spacing());
         let weights = vec![[0.0; 2]; network.vertex_count()];
-        let mut problem = Self { surface, network, energy, spacing, bounds, weights, barrier: 0.0 };
+        let table = StepTable::new(spacing);
+        let mut problem =
+            Self { surface, network, energy, spacing, table, bounds, weights, barrier: 0.0 };
         problem.set_weights(|_| [1.0; 2]);
         problem
     }
@@ -86,53 +86,80 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Weighs each curve by a factor of the vertex and by the distance to the next slice of its
-    /// family, so that the sum over slices is an integral.
+    /// Weighs each place by a factor of its vertex, and by nothing where its curve ends.
     fn set_weights(&mut self, factors: impl Fn(u32) -> [f64; 2] + Sync) {
-        let (network, spacing) = (self.network, self.spacing);
+        let network = self.network;
         parallel::fill(&mut self.weights, |v| {
             let v = v as u32;
             let factors = factors(v);
             [0, 1].map(|c| {
-                let whole = (2 * c..2 * c + 2).all(|slot| network.neighbour(v, slot).is_some());
-                let (normal, _) = network.curve_axes(v, c);
-                if whole { factors[c] * spacing[normal] } else { 0.0 }
+                let place = network.place(v, c);
+                let within = network.steps()[place - 1..=place].iter().all(|s| s.is_linked());
+                if within { factors[c] as f32 } else { 0.0 }
             })
         });
     }
 
+    /// The weight of ρ at a place, by the distance to the next slice of its family too, so that the
+    /// sum over slices is an integral.
+    #[inline]
+    fn weight(&self, place: usize) -> f64 {
+        let step = self.network.steps()[place];
+        let v = self.network.vertices()[place];
+        f64::from(self.weights[v as usize][step.curve()]) * self.spacing[step.normal()]
+    }
+
     /// The energy at `x`, barrier included.
     pub(super) fn value(&self, x: &[f64]) -> f64 {
-        parallel::sum(x.len(), |v| self.own_value(x, v))
-    }
-
-    fn own_value(&self, x: &[f64], v: usize) -> f64 {
-        let [a, b] = [0, 1].map(|c| self.rho(x, v as u32, c));
-        a + b + self.barrier(x[v])
-    }
-
-    /// ρ of vertex `v` on its curve `c`, weighted, with respect to the positions of the previous
-    /// vertex, of `v` and of the next one.
-    pub(super) fn term(&self, x: &[f64], v: u32, c: usize) -> Quadratic {
-        let weight = self.weights[v as usize][c];
-        if weight == 0.0 {
-            return Quadratic::default();
-        }
-        let (stencil, edge_lengths) = self.stencil(x, v, c);
-        let mut term = self.energy.term(&stencil);
-        let mut quadratic = Quadratic::default();
-        for (residual, slope) in term.residual.iter().zip(&mut term.slope) {
-            for (s, length) in slope.iter_mut().zip(edge_lengths) {
-                *s *= length;
-            }
-            for i in 0..3 {
-                quadratic.gradient[i] += 2.0 * weight * residual * slope[i];
-                for j in 0..3 {
-                    quadratic.hessian[i][j] += 2.0 * weight * slope[i] * slope[j];
+        let places = self.network.vertices().len();
+        let curves = parallel::sum_blocks(places, |range| {
+            let mut rho = vec![0.0; range.len()];
+            self.strips(x, range.clone(), |strip, places| {
+                for n in (0..places.len()).step_by(WIDTH) {
+                    let values = self.energy.rhos(&strip.points(n + REPEATED));
+                    for (l, place) in places.clone().skip(n).take(WIDTH).enumerate() {
+                        rho[place - range.start] = self.weight(place) * values[l];
+                    }
                 }
-            }
+            });
+            let sum = |part: Range<usize>| {
+                rho[part.start - range.start..part.end - range.start].iter().sum::<f64>()
+            };
+            self.network.curve_parts(range.clone()).map(sum).sum()
+        });
+        curves + parallel::sum(x.len(), |v| self.barrier(x[v]))
+    }
+
+    /// Calls `f` with all strips of the places in `range`, but for the very first and last places of
+    /// all, which only repeat others.
+    pub(super) fn strips(
+        &self,
+        x: &[f64],
+        range: Range<usize>,
+        mut f: impl FnMut(&Strip, Range<usize>),
+    ) {
+        let total = self.network.vertices().len();
+        let end = range.end.min(total - REPEATED);
+        let mut strip = Strip::new();
+        for start in (range.start.max(REPEATED)..end).step_by(STRIP) {
+            let places = start..end.min(start + STRIP);
+            let count = places.len() + 2 * REPEATED;
+            strip.load(self.network, &self.table, x, start - REPEATED, count);
+            f(&strip, places);
         }
-        quadratic
+    }
+
+    /// ρ and its derivatives at four places of a strip.
+    #[inline]
+    pub(super) fn terms<const LENGTH: usize>(&self, strip: &Strip<LENGTH>, n: usize) -> Term<Lanes> {
+        self.energy.terms(&strip.stencils(n))
+    }
+
+    /// Doubled weights of all places in a range.
+    pub(super) fn doubled_weights(&self, range: Range<usize>, out: &mut [f64]) {
+        for (place, weight) in range.zip(out) {
+            *weight = 2.0 * self.weight(place);
+        }
     }
 
     /// The barrier at one position.
@@ -154,20 +181,26 @@ impl<'a> Problem<'a> {
         self.barrier > 0.0
     }
 
+    /// The places around vertex `v` on its curve `c`, two to either side.
+    fn surroundings(&self, x: &[f64], v: u32, c: usize) -> (Strip<SHORT>, [f64; 3]) {
+        let place = self.network.place(v, c);
+        let mut strip = Strip::new();
+        strip.load(self.network, &self.table, x, place - 2, 5);
+        (strip, [place - 1, place, place + 1].map(|place| self.weight(place)))
+    }
+
     /// Slope and curvature of the energy in the position of vertex `v`.
     pub(super) fn slope_around(&self, x: &[f64], v: u32) -> Univariate {
         let mut sum = self.barrier_slope(x[v as usize]);
-        let mut add = |term: Quadratic, place: usize| {
-            sum.slope += term.gradient[place];
-            sum.curvature += term.hessian[place][place];
-        };
         for c in 0..2 {
-            add(self.term(x, v, c), 1);
-        }
-        for slot in 0..4 {
-            if let Some((u, link)) = self.network.neighbour(v, slot) {
-                let back = link.back_slot(slot);
-                add(self.term(x, u, back / 2), 2 * (back % 2));
+            let (strip, weights) = self.surroundings(x, v, c);
+            let terms = self.terms(&strip, 1);
+            for (lane, weight) in weights.into_iter().enumerate().filter(|(_, w)| *w > 0.0) {
+                for (residual, slopes) in terms.residual.iter().zip(&terms.slope) {
+                    let slope = slopes[2 - lane][lane];
+                    sum.slope += 2.0 * weight * residual[lane] * slope;
+                    sum.curvature += 2.0 * weight * slope * slope;
+                }
             }
         }
         sum
@@ -175,66 +208,40 @@ impl<'a> Problem<'a> {
 
     /// The part of the energy that depends on the position of vertex `v`.
     pub(super) fn value_around(&self, x: &[f64], v: u32) -> f64 {
-        let beside = |slot: usize| match self.network.neighbour(v, slot) {
-            Some((u, link)) => self.rho(x, u, link.back_slot(slot) / 2),
-            None => 0.0,
+        let on_curve = |c: usize| -> f64 {
+            let (strip, weights) = self.surroundings(x, v, c);
+            let values = self.energy.rhos(&strip.points(1));
+            let weighted = |(l, w): (usize, f64)| if w > 0.0 { w * values[l] } else { 0.0 };
+            weights.into_iter().enumerate().map(weighted).sum()
         };
-        let neighbours: f64 = (0..4).map(beside).sum();
-        self.rho(x, v, 0) + self.rho(x, v, 1) + neighbours + self.barrier(x[v as usize])
+        on_curve(0) + on_curve(1) + self.barrier(x[v as usize])
     }
 
-    /// Weighted ρ of vertex `v` on its curve `c`.
-    fn rho(&self, x: &[f64], v: u32, c: usize) -> f64 {
-        match self.weights[v as usize][c] {
-            0.0 => 0.0,
-            weight => weight * self.energy.rho(&self.stencil(x, v, c).0.points),
-        }
+    /// For every place of a range whether `bad` holds for the squared lengths of the chords before
+    /// and after it and the cosine between them.
+    pub(super) fn mark_places(
+        &self,
+        x: &[f64],
+        range: Range<usize>,
+        mut mark: impl FnMut(usize, f64, f64),
+    ) {
+        self.strips(x, range, |strip, places| {
+            for n in (0..places.len()).step_by(WIDTH) {
+                let [before, _, after] = strip.points(n + REPEATED);
+                for (l, place) in places.clone().skip(n).take(WIDTH).enumerate() {
+                    let [a, b] = [before, after].map(|p| [p[0][l], p[1][l]]);
+                    let (l0, l1) = (a[0] * a[0] + a[1] * a[1], b[0] * b[0] + b[1] * b[1]);
+                    let cosine = -(a[0] * b[0] + a[1] * b[1]) / (l0 * l1).sqrt();
+                    mark(place, l0.min(l1), cosine);
+                }
+            }
+        });
     }
 
-    /// Smallest squared length of the chords at vertex `v`, and the least cosine of the turning of its
-    /// curves there.
-    pub(super) fn shape_at(&self, x: &[f64], v: u32) -> (f64, f64) {
-        let (mut shortest, mut least_cosine) = (f64::INFINITY, 1f64);
-        for c in (0..2).filter(|&c| self.weights[v as usize][c] > 0.0) {
-            let [a, b, c] = self.stencil(x, v, c).0.points;
-            let (before, after) = (subtract(b, a), subtract(c, b));
-            let (l0, l1) = (dot(before, before), dot(after, after));
-            shortest = shortest.min(l0).min(l1);
-            least_cosine = least_cosine.min(dot(before, after) / (l0 * l1).sqrt());
-        }
-        (shortest, least_cosine)
+    /// Whether the place counts in the energy.
+    pub(super) fn counts(&self, place: usize) -> bool {
+        self.weight(place) > 0.0
     }
-
-    /// The vertices around `v` on curve `c`, in the coordinates (along the grid edge of `v`, across
-    /// it) of the curve's plane, and the lengths of the grid edges of the three.
-    fn stencil(&self, x: &[f64], v: u32, c: usize) -> (Stencil, [f64; 3]) {
-        let h = self.spacing[self.network.axis(v)];
-        let own = ([x[v as usize] * h, 0.0], 0, h);
-        let side = |slot| neighbour_point(self.network, self.spacing, x, v, slot).unwrap_or(own);
-        let all = [side(2 * c), own, side(2 * c + 1)];
-        (Stencil { points: all.map(|p| p.0), moves: all.map(|p| p.1) }, all.map(|p| p.2))
-    }
-}
-
-/// The neighbour of `v` in a slot, in the coordinates (along the grid edge of `v`, across it) from
-/// the low end of that edge; the coordinate it moves along; the length of its grid edge.
-fn neighbour_point(
-    network: &Network,
-    spacing: [f64; 3],
-    x: &[f64],
-    v: u32,
-    slot: usize,
-) -> Option<(Point2, usize, f64)> {
-    let (u, link) = network.neighbour(v, slot)?;
-    let (_, across_axis) = network.curve_axes(v, slot / 2);
-    let (along, across) = (spacing[network.axis(v)], spacing[across_axis]);
-    let (x, high_side) = (x[u as usize], slot % 2 == 1);
-    let sideways = if high_side { x * across } else { (x - 1.0) * across };
-    Some(match link {
-        Link::Parallel => ([x * along, if high_side { across } else { -across }], 0, along),
-        Link::AcrossLow => ([0.0, sideways], 1, across),
-        Link::AcrossHigh => ([along, sideways], 1, across),
-    })
 }
 
 /// Normal of the surface at every vertex, of any length: the sum of the area vectors of its patches.

@@ -103,3 +103,42 @@ impl Surface {
         triangles
     }
 }
+
+/// A piece of a planar curve on one lattice face, from one grid edge of the face to another.
+pub(crate) struct Segment {
+    /// The vertices on both.
+    pub(crate) vertices: [u32; 2],
+    /// Whether each of the two runs along the second axis of the plane: the second after its normal.
+    pub(crate) runs_second: [bool; 2],
+    /// From the start of the first to that of the second, along the first and second axis.
+    pub(crate) shift: [i32; 2],
+}
+
+impl Surface {
+    pub(crate) fn slice_count(&self) -> usize {
+        self.grid.dims()[2]
+    }
+    pub(crate) fn for_each_segment(&self, normal: usize, k: usize, mut f: impl FnMut(Segment)) {
+        if k > 0 { return; }
+        let c = self.crossings();
+        for (patch, _) in self.patches() {
+            for (n, &x) in patch.iter().enumerate() {
+                let y = patch[(n + 1) % patch.len()];
+                for (a, b) in [(x, y), (y, x)] {
+                    let (p, q) = (c[a as usize], c[b as usize]);
+                    // the face normal: axis of neither with equal coordinate
+                    let nn = (0..3).find(|&t| t != p.axis() && t != q.axis() && p.low()[t] == q.low()[t] && (p.axis() != q.axis() || { let o = 3 - t - p.axis(); p.low()[o] != q.low()[o] })).unwrap();
+                    if nn != normal { continue; }
+                    let (u, v) = ((nn + 1) % 3, (nn + 2) % 3);
+                    let second = [p.axis() == v, q.axis() == v];
+                    let shift = [u, v].map(|t| q.low()[t] as i32 - p.low()[t] as i32);
+                    let e = if second[0] { 0 } else { 1 };
+                    let across = shift[e];
+                    let high = if second[0] == second[1] { across > 0 } else { across == 0 };
+                    let forward_high = if second[0] { !p.inside_low() } else { p.inside_low() };
+                    if high == forward_high { f(Segment { vertices: [a, b], runs_second: second, shift }); }
+                }
+            }
+        }
+    }
+}

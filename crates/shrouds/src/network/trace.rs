@@ -1,0 +1,136 @@
+//! From segments on lattice faces to curves.
+
+use crate::network::{Network, REPEATED, Step};
+use crate::parallel;
+use crate::surface::Surface;
+use crate::volume::Border;
+
+/// Marks the end of a curve, or a place already walked over.
+const NONE: u32 = u32::MAX;
+
+impl Network {
+    /// Joins the segments of the surface on the lattice faces to planar curves.
+    pub fn trace(surface: &Surface) -> Self {
+        let mut families = parallel::blocks(3, 1, |family| Family::trace(surface, family.start));
+        let sum = |count: fn(&Family) -> usize| families.iter().map(count).sum::<usize>();
+        let mut network = Self {
+            vertices: Vec::with_capacity(sum(|f| f.vertices.len())),
+            steps: Vec::with_capacity(sum(|f| f.steps.len())),
+            places: vec![[0; 2]; surface.vertex_count()],
+            starts: Vec::with_capacity(sum(|f| f.starts.len()) + 1),
+        };
+        for family in &mut families {
+            let before = network.vertices.len() as u32;
+            network.starts.extend(family.starts.iter().map(|start| before + start));
+            network.vertices.append(&mut family.vertices);
+            network.steps.append(&mut family.steps);
+            *family = Family::default();
+        }
+        network.starts.push((network.vertices.len() + REPEATED) as u32);
+        for curve in 0..network.starts.len() - 1 {
+            for place in network.curve_places(curve) {
+                let v = network.vertices[place];
+                network.places[v as usize][network.steps[place].curve()] = place as u32;
+            }
+        }
+        network
+    }
+}
+
+/// The curves in all planes normal to one axis.
+#[derive(Default)]
+struct Family {
+    vertices: Vec<u32>,
+    steps: Vec<Step>,
+    starts: Vec<u32>,
+}
+
+/// Where the curves of a family go from every vertex.
+struct Links {
+    next: Vec<u32>,
+    steps: Vec<Step>,
+}
+
+impl Family {
+    fn trace(surface: &Surface, normal: usize) -> Self {
+        let mut links = Links::find(surface, normal);
+        let mut family = Self::default();
+        if surface.border() == Border::Open {
+            for start in links.open_ends() {
+                family.walk(&mut links, start);
+            }
+        }
+        for start in 0..links.next.len() as u32 {
+            if links.next[start as usize] != NONE {
+                family.walk(&mut links, start);
+            }
+        }
+        family
+    }
+
+    /// Appends the curve from a vertex on and cuts the links it follows.
+    fn walk(&mut self, links: &mut Links, start: u32) {
+        let first = self.vertices.len() + REPEATED;
+        self.vertices.extend([start; REPEATED]);
+        self.steps.extend([links.steps[start as usize].unlinked(); REPEATED]);
+        self.starts.push(first as u32);
+        let mut here = start;
+        loop {
+            let next = std::mem::replace(&mut links.next[here as usize], NONE);
+            let step = links.steps[here as usize];
+            self.vertices.push(here);
+            self.steps.push(step);
+            if next == NONE || next == start {
+                break;
+            }
+            here = next;
+        }
+        self.repeat_ends(first);
+    }
+
+    /// Fills the places before and after the curve that starts at `first`.
+    fn repeat_ends(&mut self, first: usize) {
+        let end = self.vertices.len();
+        let closed = self.steps[end - 1].is_linked();
+        for n in 0..REPEATED {
+            let place = if closed { first + n } else { end - 1 };
+            self.vertices.push(self.vertices[place]);
+            self.steps.push(self.steps[place]);
+            if closed {
+                let place = end - REPEATED + n;
+                self.vertices[first - REPEATED + n] = self.vertices[place];
+                self.steps[first - REPEATED + n] = self.steps[place];
+            }
+        }
+    }
+}
+
+impl Links {
+    fn find(surface: &Surface, normal: usize) -> Self {
+        let count = surface.vertex_count();
+        let mut links =
+            Self { next: vec![NONE; count], steps: vec![Step::default(); count] };
+        for k in 0..surface.slice_count() {
+            surface.for_each_segment(normal, k, |segment| {
+                let [from, to] = segment.vertices;
+                let [here, there] = segment.runs_second;
+                links.next[from as usize] = to;
+                links.steps[from as usize] = Step::new(normal, here, segment.shift);
+                if links.next[to as usize] == NONE {
+                    links.steps[to as usize] = Step::last(normal, there);
+                }
+            });
+        }
+        links
+    }
+
+    /// The vertices that curves lead away from but not to.
+    fn open_ends(&self) -> Vec<u32> {
+        let mut reached = vec![false; self.next.len()];
+        for &next in self.next.iter().filter(|&&next| next != NONE) {
+            reached[next as usize] = true;
+        }
+        let is_end = |&v: &u32| self.next[v as usize] != NONE && !reached[v as usize];
+        (0..self.next.len() as u32).filter(is_end).collect()
+    }
+}
