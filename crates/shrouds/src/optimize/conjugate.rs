@@ -11,6 +11,7 @@ pub(super) struct Room {
 }
 
 /// Effort spent on one step.
+#[derive(Clone, Copy)]
 pub(super) struct Effort {
     /// Iterations before the step is cut to the box and the vertices that left it are fixed.
     pub(super) segment: usize,

@@ -21,6 +21,8 @@ pub(super) struct Model {
 /// Gradient and Gauss–Newton matrix of ρ at the places of a strip with respect to the three
 /// positions it depends on.
 struct Quadratics {
+    /// Twice ρ.
+    rho: [f64; LENGTH],
     gradient: [[f64; LENGTH]; 3],
     /// Of the entries (0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2).
     matrix: [[f64; LENGTH]; 6],
@@ -40,14 +42,16 @@ impl Model {
         }
     }
 
-    /// Gradient and matrix at `x`.
-    pub(super) fn linearise(&mut self, problem: &Problem, x: &[f64]) {
+    /// Sets gradient and matrix to those at `x`; returns the energy there.
+    pub(super) fn linearise(&mut self, problem: &Problem, x: &[f64]) -> f64 {
         let mut slopes = vec![0.0f64; self.near.len()];
         let mut squares = vec![0.0f32; self.near.len()];
         let arrays = [&mut squares[..], &mut self.near, &mut self.far];
-        parallel::update_blocks(&mut slopes, arrays, |first, slopes, [squares, near, far]| {
+        let curves = parallel::update_blocks(&mut slopes, arrays, |first, slopes, [squares, near, far]| {
             let mut quadratics = Quadratics::new();
-            problem.strips(x, first..first + slopes.len(), |strip, places| {
+            let range = first..first + slopes.len();
+            let mut rho = vec![0.0; range.len()];
+            problem.strips(x, range.clone(), |strip, places| {
                 quadratics.fill(problem, strip, places.start, places.len());
                 let QuadraticsView { g, m } = quadratics.view();
                 for n in 0..places.len() {
@@ -57,9 +61,10 @@ impl Model {
                     squares[out] = (m[3][n + 1] + m[5][n] + m[0][n + 2]) as f32;
                     near[out] = (m[4][n + 1] + m[1][n + 2]) as f32;
                     far[out] = m[2][n + 2] as f32;
+                    rho[out] = 0.5 * quadratics.rho[n + 1];
                 }
             });
-            0.0
+            problem.sum_over_curves(range, &rho)
         });
         let places = problem.network.places();
         parallel::update_blocks(&mut self.gradient, [&mut self.diagonal], |first, gradient, [diagonal]| {
@@ -71,6 +76,7 @@ impl Model {
             }
             0.0
         });
+        curves + problem.barrier_value(x)
     }
 
     /// How far vertex `v` would move from `x` to the minimum of the model if all others stayed.
@@ -125,7 +131,7 @@ struct QuadraticsView<'a> {
 
 impl Quadratics {
     fn new() -> Self {
-        Self { gradient: [[0.0; LENGTH]; 3], matrix: [[0.0; LENGTH]; 6] }
+        Self { rho: [0.0; LENGTH], gradient: [[0.0; LENGTH]; 3], matrix: [[0.0; LENGTH]; 6] }
     }
 
     fn view(&self) -> QuadraticsView<'_> {
@@ -143,6 +149,10 @@ impl Quadratics {
             let [a, b] = [0, 1].map(|r| {
                 term.slope[r].map(|slope| std::array::from_fn::<f64, WIDTH, _>(|l| weight[l] * slope[l]))
             });
+            for l in 0..WIDTH {
+                let [a, b] = [term.residual[0][l], term.residual[1][l]];
+                self.rho[n + l] = weight[l] * (a * a + b * b);
+            }
             for j in 0..3 {
                 for l in 0..WIDTH {
                     self.gradient[j][n + l] = term.residual[0][l] * a[j][l] + term.residual[1][l] * b[j][l];

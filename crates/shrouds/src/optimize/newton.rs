@@ -37,7 +37,8 @@ pub(super) fn solve(
     settings: &Settings,
     observer: &mut Observer,
 ) -> Vec<Round> {
-    let count = if problem.needs_freezing() { ROUNDS } else { 1 };
+    let plan: Option<Vec<Effort>> = std::env::var("PLAN").ok().map(|p| p.split(';').map(|g| { let v: Vec<usize> = g.split(',').map(|x| x.parse().unwrap()).collect(); Effort { segment: v[0], segments: v[1], reduction: 1e-3 } }).collect());
+    let count = if problem.needs_freezing() && plan.is_none() { ROUNDS } else { 1 };
     let mut solver = Newton::new(problem);
     let mut rounds: Vec<Round> = Vec::new();
     let mut done = 0;
@@ -46,7 +47,8 @@ pub(super) fn solve(
         let left = settings.max_iterations() - done;
         let early = round + 1 < count;
         let steps = if early { EARLY_STEPS.min(left) } else { left };
-        let limits = Limits { steps, done, early };
+        let steps = plan.as_ref().map_or(steps, |p| p.len());
+        let limits = Limits { steps, done, early, plan: plan.clone() };
         rounds.push(solver.round(problem, x, settings, &limits, observer));
         done += rounds[round].energies.len() - 1;
         let settled =
@@ -66,6 +68,16 @@ struct Limits {
     done: usize,
     /// Whether another round follows.
     early: bool,
+    plan: Option<Vec<Effort>>,
+}
+
+impl Limits {
+    fn effort(&self, step: usize) -> Effort {
+        match &self.plan {
+            Some(plan) => plan[step],
+            None => Effort { segment: 25, segments: 4, reduction: 1e-2 },
+        }
+    }
 }
 
 struct Newton {
@@ -86,12 +98,11 @@ impl Newton {
         limits: &Limits,
         observer: &mut Observer,
     ) -> Round {
-        let mut energy = problem.value(x);
+        let mut energy = self.model.linearise(problem, x);
         let mut round = Round::new(energy);
         let tolerance = settings.tolerance();
         let mut decrease = f64::INFINITY;
         for step in 0..=limits.steps {
-            self.model.linearise(problem, x);
             let change = Stationarity::of(&self.model, x, problem.bounds).step_rms();
             let progress = Progress { iteration: limits.done + step, energy, change, tolerance };
             if observer(progress).is_break() {
@@ -109,7 +120,7 @@ impl Newton {
             if step == limits.steps || enough {
                 break;
             }
-            let Some(lower) = self.step(problem, x, energy) else {
+            let Some(lower) = self.step(problem, x, energy, &limits.effort(step)) else {
                 let stationary = change <= tolerance;
                 round.status = if stationary { Status::Converged } else { Status::Stalled };
                 break;
@@ -122,16 +133,21 @@ impl Newton {
     }
 
     /// One step that lowers the energy: of all vertices together, or else vertex by vertex. Returns
-    /// the new energy, or nothing when neither helped.
-    fn step(&mut self, problem: &Problem, x: &mut Vec<f64>, energy: f64) -> Option<f64> {
-        const EFFORT: Effort = Effort { segment: 25, segments: 4, reduction: 1e-2 };
-        self.workspace.solve(&self.model, problem.network, &room(problem, x), &EFFORT);
+    /// the new energy, with the model linearised there, or nothing when neither helped.
+    fn step(
+        &mut self,
+        problem: &Problem,
+        x: &mut Vec<f64>,
+        energy: f64,
+        effort: &Effort,
+    ) -> Option<f64> {
+        self.workspace.solve(&self.model, problem.network, &room(problem, x), effort);
         let workspace = &self.workspace;
         let [low, high] = problem.bounds;
         let mut together = vec![0.0; x.len()];
         parallel::fill(&mut together, |v| (x[v] + workspace.step(v)).clamp(low, high));
         repair(problem, &mut together, &self.awkward(problem, x));
-        let lower = problem.value(&together);
+        let lower = self.model.linearise(problem, &together);
         if lower < energy + univariate::ROUNDING * energy.abs() {
             *x = together;
             return Some(lower);
@@ -140,7 +156,7 @@ impl Newton {
         let mut alone = x.clone();
         let all: Vec<u32> = (0..x.len() as u32).collect();
         repair(problem, &mut alone, &all);
-        let lower = problem.value(&alone);
+        let lower = self.model.linearise(problem, &alone);
         (lower < energy).then(|| {
             *x = alone;
             lower

@@ -74,7 +74,7 @@ impl<'a> Problem<'a> {
                 let squared = dot(normal, normal).max(f64::MIN_POSITIVE);
                 [0, 1].map(|c| {
                     let along = normal[network.curve_axes(v, c).0];
-                    (1.0 - along * along / squared).max(LEAST_WEIGHT).powf(0.5 * exponent)
+                    power_of_root((1.0 - along * along / squared).max(LEAST_WEIGHT), exponent)
                 })
             });
         }
@@ -122,12 +122,34 @@ impl<'a> Problem<'a> {
                     }
                 }
             });
-            let sum = |part: Range<usize>| {
-                rho[part.start - range.start..part.end - range.start].iter().sum::<f64>()
-            };
-            self.network.curve_parts(range.clone()).map(sum).sum()
+            self.sum_over_curves(range, &rho)
         });
-        curves + parallel::sum(x.len(), |v| self.barrier(x[v]))
+        curves + self.barrier_value(x)
+    }
+
+    /// The sum of the values of a range of places, those that repeat others left out.
+    pub(super) fn sum_over_curves(&self, range: Range<usize>, values: &[f64]) -> f64 {
+        let first = range.start;
+        let sum = |part: Range<usize>| {
+            values[part.start - first..part.end - first].iter().sum::<f64>()
+        };
+        self.network.curve_parts(range).map(sum).sum()
+    }
+
+    /// The barrier of all vertices.
+    pub(super) fn barrier_value(&self, x: &[f64]) -> f64 {
+        if self.barrier == 0.0 {
+            return 0.0;
+        }
+        // One logarithm for several factors: their product stays far from the smallest number.
+        const FACTORS: usize = 16;
+        let logarithms = parallel::sum_blocks(x.len(), |range| {
+            let logarithm = |x: &[f64]| {
+                x.iter().map(|x| 4.0 * x * (1.0 - x)).product::<f64>().ln()
+            };
+            x[range].chunks(FACTORS).map(logarithm).sum()
+        });
+        -self.barrier * logarithms
     }
 
     /// Calls `f` with all strips of the places in `range`, but for the very first and last places of
@@ -163,7 +185,7 @@ impl<'a> Problem<'a> {
     }
 
     /// The barrier at one position.
-    pub(super) fn barrier(&self, x: f64) -> f64 {
+    fn barrier(&self, x: f64) -> f64 {
         if self.barrier == 0.0 { 0.0 } else { -self.barrier * (4.0 * x * (1.0 - x)).ln() }
     }
 
@@ -242,6 +264,12 @@ impl<'a> Problem<'a> {
     pub(super) fn counts(&self, place: usize) -> bool {
         self.weight(place) > 0.0
     }
+}
+
+/// The square root of `x` to a power.
+fn power_of_root(x: f64, exponent: f64) -> f64 {
+    let root = x.sqrt();
+    if exponent.fract() == 0.0 { root.powi(exponent as i32) } else { root.powf(exponent) }
 }
 
 /// Normal of the surface at every vertex, of any length: the sum of the area vectors of its patches.
