@@ -56,21 +56,19 @@ pub struct Network {
 }
 
 impl Network {
-    /// Reads the network off the patches: two successive corners of a patch are neighbours in the
-    /// lattice plane of the cell face they share.
+    /// Reads the network off the segments of the planar curves on the lattice faces.
     pub fn trace(surface: &Surface) -> Self {
-        let crossings = surface.crossings();
+        let crossings: Vec<Crossing> = surface.crossings().collect();
         let mut network = Self {
             neighbours: vec![[NONE; 4]; crossings.len()],
             links: vec![u8::MAX; crossings.len()],
             axes: crossings.iter().map(|c| c.axis() as u8).collect(),
         };
-        for (patch, _) in surface.patches() {
-            for (n, &a) in patch.iter().enumerate() {
-                let b = patch[(n + 1) % patch.len()];
-                network.connect(crossings, a, b);
-                network.connect(crossings, b, a);
-            }
+        for (normal, k) in (0..3).flat_map(|n| (0..surface.slice_count()).map(move |k| (n, k))) {
+            surface.for_each_segment(normal, k, |a, b| {
+                network.connect(&crossings, a, b);
+                network.connect(&crossings, b, a);
+            });
         }
         network
     }

@@ -239,14 +239,15 @@ fn neighbour_point(
 
 /// Normal of the surface at every vertex, of any length: the sum of the area vectors of its patches.
 fn patch_normals(surface: &Surface, spacing: [f64; 3], x: &[f64]) -> Vec<Vector> {
+    let crossings: Vec<_> = surface.crossings().collect();
     let position = |v: u32| {
-        let crossing = surface.crossings()[v as usize];
+        let crossing = crossings[v as usize];
         let mut point = crossing.low().map(|i| i as f64);
         point[crossing.axis()] += x[v as usize];
         std::array::from_fn(|k| point[k] * spacing[k])
     };
     let mut normals = vec![[0.0; 3]; x.len()];
-    for (patch, _) in surface.patches() {
+    let mut add_patch = |patch: &[u32], _: &_| {
         let origin = position(patch[0]);
         let fan = patch[1..].windows(2).fold([0.0; 3], |sum, pair| {
             let [a, b] = [pair[0], pair[1]].map(|v| subtract(position(v), origin));
@@ -255,6 +256,7 @@ fn patch_normals(surface: &Surface, spacing: [f64; 3], x: &[f64]) -> Vec<Vector>
         for &v in patch {
             normals[v as usize] = add(normals[v as usize], fan);
         }
-    }
+    };
+    (0..surface.layer_count()).for_each(|k| surface.for_each_patch(k, &mut add_patch));
     normals
 }
