@@ -95,3 +95,24 @@ pub(crate) fn update_sum<T: Send>(
     let sums: Vec<f64> = values.chunks_mut(BLOCK).enumerate().map(update_block).collect();
     sums.into_iter().sum()
 }
+
+/// The results of `f` on successive pieces of `values`, which end at `ends`, in order. What lies
+/// beyond the last end is left alone.
+pub(crate) fn pieces<T: Send, R: Send>(
+    mut values: &mut [T],
+    ends: impl IntoIterator<Item = usize>,
+    f: impl Fn(usize, &mut [T]) -> R + Sync,
+) -> Vec<R> {
+    let mut pieces = Vec::new();
+    let mut start = 0;
+    for end in ends {
+        let (piece, rest) = values.split_at_mut(end - start);
+        pieces.push(piece);
+        (values, start) = (rest, end);
+    }
+    let run = |(index, piece): (usize, &mut [T])| f(index, piece);
+    #[cfg(feature = "parallel")]
+    return pieces.into_par_iter().enumerate().map(run).collect();
+    #[cfg(not(feature = "parallel"))]
+    pieces.into_iter().enumerate().map(run).collect()
+}

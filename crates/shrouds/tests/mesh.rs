@@ -177,7 +177,7 @@ fn exact_ball() -> (TriMesh, [f64; 3]) {
     let network = Network::trace(&surface);
     let outside =
         |p: [f64; 3]| (0..3).map(|k| (p[k] - centre[k]).powi(2)).sum::<f64>().sqrt() - radius;
-    let exact = |crossing: &shrouds::surface::Crossing| {
+    let exact = |crossing: shrouds::surface::Crossing| {
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..60 {
             let middle = 0.5 * (low + high);
@@ -186,7 +186,7 @@ fn exact_ball() -> (TriMesh, [f64; 3]) {
         }
         high
     };
-    let delta: Vec<f64> = surface.crossings().iter().map(exact).collect();
+    let delta: Vec<f64> = surface.crossings().map(exact).collect();
     let mesh = TriMesh::place(&surface, &network, &delta, MeshKind::Primal, Triangles::Fitted);
     (mesh, centre)
 }

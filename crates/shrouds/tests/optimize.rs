@@ -190,7 +190,7 @@ fn the_sum_over_curves_is_the_energy() {
         let points: Vec<Point2> = curve
             .vertices
             .iter()
-            .map(|&n| surface.crossings()[n as usize].position(delta[n as usize]))
+            .map(|&n| surface.crossing(n).position(delta[n as usize]))
             .map(|p| [p[u] * spacing[u], p[v] * spacing[v]])
             .collect();
         let count = points.len();
@@ -226,13 +226,13 @@ fn the_blurred_start_follows_the_shape() {
     let squared_distance = |start| {
         let settings = Settings { start, max_iterations: Some(0), ..Settings::default() };
         let (delta, _) = run(&volume, &settings);
-        let distance = |(crossing, &d): (&shrouds::surface::Crossing, &f64)| {
+        let distance = |(crossing, &d): (shrouds::surface::Crossing, &f64)| {
             let p = surface.grid().point(crossing.position(d));
             let centre = [15.5 + 0.137, 15.5 + 0.071, 15.5 - 0.093];
             let r2: f64 = (0..3).map(|k| (p[k] - centre[k]).powi(2)).sum();
             (r2.sqrt() - 0.4 * 32.0).powi(2)
         };
-        surface.crossings().iter().zip(&delta).map(distance).sum::<f64>()
+        surface.crossings().zip(&delta).map(distance).sum::<f64>()
     };
     assert!(squared_distance(Start::Blur) < 0.25 * squared_distance(Start::Midpoint));
 }

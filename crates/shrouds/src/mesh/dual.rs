@@ -10,8 +10,8 @@
 
 use crate::mesh::{TriMesh, Triangles, misfit};
 use crate::network::Network;
-use crate::surface::Surface;
 use crate::surface::triangulation::cheapest;
+use crate::surface::{LoopShape, Surface};
 use crate::vector::{Vector, add, scale, unit};
 
 /// Marks a quadrant without a patch; none on a closed border.
@@ -29,14 +29,12 @@ pub(super) fn mesh(
     triangles: Triangles,
 ) -> TriMesh {
     let mut mesh = TriMesh::default();
-    for (patch, _) in surface.patches() {
-        push_mean(&mut mesh, patch, positions, network_normals);
-    }
+    for_each_patch(surface, |_, patch, _| push_mean(&mut mesh, patch, positions, network_normals));
     let around = patches_around(surface);
     let middles = insert_middles(surface, network, &around, &mut mesh, positions, network_normals);
     let mirror = if surface.grid().is_mirrored() { -1.0 } else { 1.0 };
     let (mut polygon, mut local) = (Vec::new(), Vec::new());
-    for (v, crossing) in surface.crossings().iter().enumerate() {
+    for (v, crossing) in surface.crossings().enumerate() {
         if around[v].contains(&NONE) {
             continue;
         }
@@ -74,14 +72,25 @@ fn push_mean(mesh: &mut TriMesh, of: &[u32], positions: &[Vector], normals: &[Ve
     mesh.normals.push(unit(sum(normals)));
 }
 
+/// Calls `f` with the number, the vertices and the shape of every patch.
+fn for_each_patch(surface: &Surface, mut f: impl FnMut(u32, &[u32], &LoopShape)) {
+    for layer in 0..surface.layer_count() {
+        let mut number = surface.layer_patches(layer).start;
+        surface.for_each_patch(layer, |patch, shape| {
+            f(number, patch, shape);
+            number += 1;
+        });
+    }
+}
+
 /// The patch in each quadrant around every crossing.
 fn patches_around(surface: &Surface) -> Vec<[u32; 4]> {
     let mut around = vec![[NONE; 4]; surface.vertex_count()];
-    for (p, (patch, shape)) in surface.patches().enumerate() {
+    for_each_patch(surface, |p, patch, shape| {
         for (n, &v) in patch.iter().enumerate() {
-            around[v as usize][shape.quadrant(n)] = p as u32;
+            around[v as usize][shape.quadrant(n)] = p;
         }
-    }
+    });
     around
 }
 
@@ -96,7 +105,7 @@ fn insert_middles(
     normals: &[Vector],
 ) -> Vec<(u32, usize, u32)> {
     let mut middles = Vec::new();
-    for (p, (patch, shape)) in surface.patches().enumerate() {
+    for_each_patch(surface, |p, patch, shape| {
         for twins in shape.twins() {
             let [first, second] = twins.map(|n| {
                 let n = usize::from(n);
@@ -108,7 +117,7 @@ fn insert_middles(
                 (from, to, slot, beyond)
             });
             // Both patches see the face; the one with the smaller number makes the vertices.
-            if first.3 != second.3 || first.3 == NONE || first.3 < p as u32 {
+            if first.3 != second.3 || first.3 == NONE || first.3 < p {
                 continue;
             }
             for (from, to, slot, _) in [first, second] {
@@ -118,7 +127,7 @@ fn insert_middles(
                 middles.extend([(from, slot, middle), (to, back, middle)]);
             }
         }
-    }
+    });
     middles.sort_unstable();
     middles
 }

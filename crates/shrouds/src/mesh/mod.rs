@@ -9,7 +9,7 @@ mod primal;
 pub use normals::network_normals;
 
 use crate::network::Network;
-use crate::surface::Surface;
+use crate::surface::{Crossing, Surface};
 use crate::vector::{Vector, cross, dot, length, subtract};
 
 /// A triangle mesh in world coordinates.
@@ -59,10 +59,8 @@ impl TriMesh {
         triangles: Triangles,
     ) -> Self {
         assert_eq!(delta.len(), surface.vertex_count(), "one delta per vertex");
-        let mut vertices = vec![[0.0; 3]; delta.len()];
-        crate::parallel::fill(&mut vertices, |v| {
-            surface.grid().point(surface.crossings()[v].position(delta[v]))
-        });
+        let place = |(c, &d): (Crossing, &f64)| surface.grid().point(c.position(d));
+        let vertices: Vec<Vector> = surface.crossings().zip(delta).map(place).collect();
         let normals = network_normals(surface, network, &vertices);
         let mut mesh = match kind {
             MeshKind::Primal => primal::mesh(surface, vertices, normals, triangles),

@@ -20,11 +20,12 @@ pub fn network_normals(
 ) -> Vec<[f64; 3]> {
     assert_eq!(vertices.len(), surface.vertex_count(), "one position per vertex");
     let mirrored = surface.grid().is_mirrored();
+    let crossings: Vec<_> = surface.crossings().collect();
     let mut normals = vec![[0.0; 3]; vertices.len()];
     parallel::fill(&mut normals, |v| {
         let [a, b] = [0, 1].map(|c| curve_tangent(surface, network, vertices, v as u32, c));
         // Curve 0 runs across on axis d + 2, curve 1 on axis d + 1: b × a points along +d.
-        let outside_is_high = surface.crossings()[v].inside_low();
+        let outside_is_high = crossings[v].inside_low();
         let sign = if outside_is_high != mirrored { 1.0 } else { -1.0 };
         scale(unit(cross(b, a)), sign)
     });

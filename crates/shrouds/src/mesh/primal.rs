@@ -6,9 +6,6 @@ use crate::surface::Surface;
 use crate::surface::triangulation::cheapest;
 use crate::vector::{Vector, add};
 
-/// Patches per block of work.
-const BLOCK: usize = 2048;
-
 pub(super) fn mesh(
     surface: &Surface,
     vertices: Vec<Vector>,
@@ -28,13 +25,12 @@ pub(super) fn mesh(
 fn fitted(surface: &Surface, vertices: &[Vector], normals: &[Vector]) -> Vec<[u32; 3]> {
     // Mirrored axes turn the patches' corners clockwise in the world.
     let sign = if surface.grid().is_mirrored() { -1.0 } else { 1.0 };
-    let blocks = parallel::blocks(surface.patch_count(), BLOCK, |range| {
+    let blocks = parallel::blocks(surface.layer_count(), 1, |layer| {
         let (mut triangles, mut local) = (Vec::new(), Vec::new());
-        for p in range {
-            let (patch, shape) = (surface.patch(p), surface.patch_shape(p));
+        surface.for_each_patch(layer.start, |patch, shape| {
             if !shape.is_alone() || !shape.twins().is_empty() {
                 triangles.extend(shape.fixed_triangles(patch));
-                continue;
+                return;
             }
             let at = |corner: usize| patch[corner] as usize;
             let cost = |i: usize, k: usize, j: usize| {
@@ -45,7 +41,7 @@ fn fitted(surface: &Surface, vertices: &[Vector], normals: &[Vector]) -> Vec<[u3
             local.clear();
             cheapest(patch.len(), |i, j| shape.diagonal_is_legal(i, j), cost, &mut local);
             triangles.extend(local.iter().map(|t| t.map(|c| patch[usize::from(c)])));
-        }
+        });
         triangles
     });
     blocks.concat()

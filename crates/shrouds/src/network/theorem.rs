@@ -38,7 +38,8 @@ impl Network {
     /// vertex: the three unions of equation 8.
     pub fn check(&self, surface: &Surface) -> TheoremReport {
         let mut report = TheoremReport { vertices: surface.vertex_count(), ..Default::default() };
-        for (v, crossing) in surface.crossings().iter().enumerate() {
+        let crossings: Vec<_> = surface.crossings().collect();
+        for (v, crossing) in crossings.iter().enumerate() {
             let mut found = [0; 2];
             for slot in 0..4 {
                 let (normal, across) = self.curve_axes(v as u32, slot / 2);
@@ -51,7 +52,7 @@ impl Network {
                     continue;
                 };
                 found[slot / 2] += 1;
-                let other = surface.crossings()[u as usize];
+                let other = crossings[u as usize];
                 let in_plane =
                     other.axis() != normal && other.low()[normal] == crossing.low()[normal];
                 report.off_plane += usize::from(!in_plane);

@@ -113,9 +113,9 @@ impl Links {
         for k in 0..surface.slice_count() {
             surface.for_each_segment(normal, k, |segment| {
                 let [from, to] = segment.vertices;
-                let [here, there] = segment.runs_second;
+                let [here, there] = segment.run_second();
                 links.next[from as usize] = to;
-                links.steps[from as usize] = Step::new(normal, here, segment.shift);
+                links.steps[from as usize] = Step::new(normal, here, segment.shift());
                 if links.next[to as usize] == NONE {
                     links.steps[to as usize] = Step::last(normal, there);
                 }

@@ -53,6 +53,6 @@ pub fn optimize(
         Solver::Sweeps => sweeps::solve(&mut problem, &mut x, settings, observer),
     };
     let report = Report::new(&problem, rounds, &first, &x);
-    let delta = surface.crossings().iter().zip(&x).map(|(c, &x)| c.from_low(x)).collect();
+    let delta = surface.crossings().zip(&x).map(|(c, &x)| c.from_low(x)).collect();
     Ok((delta, report))
 }

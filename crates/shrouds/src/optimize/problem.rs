@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::energy::{CurveEnergy, Lanes, Term};
 use crate::network::{Network, REPEATED};
 use crate::optimize::strip::{SHORT, STRIP, StepTable, Strip, WIDTH};
-use crate::parallel;
+use crate::parallel::{self, NONE};
 use crate::surface::Surface;
 use crate::vector::{Vector, add, cross, dot, subtract};
 
@@ -68,6 +68,7 @@ impl<'a> Problem<'a> {
         let exponent = self.energy.meusnier_exponent();
         if exponent != 0.0 {
             let network = self.network;
+            if std::env::var("PATCHN").is_ok() {
             let normals = patch_normals(self.surface, self.spacing, x);
             self.set_weights(|v| {
                 let normal = normals[v as usize];
@@ -77,6 +78,18 @@ impl<'a> Problem<'a> {
                     power_of_root((1.0 - along * along / squared).max(LEAST_WEIGHT), exponent)
                 })
             });
+            } else {
+            // With slopes s of the two curves over the grid edge's ends, the normal is (−1, s₁, s₀)
+            // along the edge and the normals of curves 0 and 1.
+            let slopes = self.squared_slopes(x);
+            self.set_weights(|v| {
+                let slopes = [0, 1].map(|c| slopes[network.place(v, c)]);
+                slopes.map(|own| {
+                    let share = (1.0 + own) / (1.0 + slopes[0] + slopes[1]);
+                    power_of_root(f64::from(share).max(LEAST_WEIGHT), exponent)
+                })
+            });
+            }
         }
         let strength = self.energy.barrier();
         if strength != 0.0 {
@@ -84,6 +97,32 @@ impl<'a> Problem<'a> {
             let mean = self.value(x) / self.vertex_count().max(1) as f64;
             self.barrier = (strength * mean).min(BARRIER_CAP);
         }
+    }
+
+    /// The squared slope of the curve's tangent over its grid edge at every place: how far it runs
+    /// along the edge for each unit across. The tangent is that of the circle through three vertices.
+    fn squared_slopes(&self, x: &[f64]) -> Vec<f32> {
+        let mut slopes = vec![0.0; self.network.vertices().len()];
+        parallel::update_blocks(&mut slopes, NONE, |first, slopes, []| {
+            self.strips(x, first..first + slopes.len(), |strip, places| {
+                for n in (0..places.len()).step_by(WIDTH) {
+                    let ([before, after], moves) = strip.chords_around(n + REPEATED);
+                    let values: [f32; WIDTH] = std::array::from_fn(|l| {
+                        let [a, b] = [before, after].map(|c| [c[0][l], c[1][l]]);
+                        let [wa, wb] = [a, b].map(|c| 1.0 / (c[0] * c[0] + c[1] * c[1]));
+                        let tangent = [0, 1].map(|k| wa * a[k] + wb * b[k]);
+                        let second = moves[0][l] == 0.0;
+                        let (along, across) = if second { (tangent[1], tangent[0]) } else { (tangent[0], tangent[1]) };
+                        (along * along / (across * across)) as f32
+                    });
+                    let out = places.start - first + n;
+                    let count = WIDTH.min(places.len() - n);
+                    slopes[out..out + count].copy_from_slice(&values[..count]);
+                }
+            });
+            0.0
+        });
+        slopes
     }
 
     /// Weighs each place by a factor of its vertex, and by nothing where its curve ends.
@@ -274,14 +313,15 @@ fn power_of_root(x: f64, exponent: f64) -> f64 {
 
 /// Normal of the surface at every vertex, of any length: the sum of the area vectors of its patches.
 fn patch_normals(surface: &Surface, spacing: [f64; 3], x: &[f64]) -> Vec<Vector> {
+    let crossings: Vec<_> = surface.crossings().collect();
     let position = |v: u32| {
-        let crossing = surface.crossings()[v as usize];
+        let crossing = crossings[v as usize];
         let mut point = crossing.low().map(|i| i as f64);
         point[crossing.axis()] += x[v as usize];
         std::array::from_fn(|k| point[k] * spacing[k])
     };
     let mut normals = vec![[0.0; 3]; x.len()];
-    for (patch, _) in surface.patches() {
+    let mut add_patch = |patch: &[u32], _: &_| {
         let origin = position(patch[0]);
         let fan = patch[1..].windows(2).fold([0.0; 3], |sum, pair| {
             let [a, b] = [pair[0], pair[1]].map(|v| subtract(position(v), origin));
@@ -290,6 +330,7 @@ fn patch_normals(surface: &Surface, spacing: [f64; 3], x: &[f64]) -> Vec<Vector>
         for &v in patch {
             normals[v as usize] = add(normals[v as usize], fan);
         }
-    }
+    };
+    (0..surface.layer_count()).for_each(|k| surface.for_each_patch(k, &mut add_patch));
     normals
 }

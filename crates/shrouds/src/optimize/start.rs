@@ -40,8 +40,9 @@ fn blur(volume: &Occupancy, surface: &Surface, x: &mut [f64]) {
         // Half of the sum of all weights, 16³, is the threshold.
         f64::from(sum) - 2048.0
     };
+    let crossings: Vec<_> = surface.crossings().collect();
     parallel::fill(x, |v| {
-        let crossing = surface.crossings()[v];
+        let crossing = crossings[v];
         let mut high = crossing.low();
         high[crossing.axis()] += 1;
         let (a, b) = (blurred(crossing.low()), blurred(high));

@@ -85,6 +85,12 @@ impl<const LENGTH: usize> Strip<LENGTH> {
         })
     }
 
+    /// The chords before and after the places at `n` and the next ones, and how these move.
+    #[inline(always)]
+    pub(super) fn chords_around(&self, n: usize) -> ([[Lanes; 2]; 2], [Lanes; 2]) {
+        ([self.chords(n - 1), self.chords(n)], [0, 1].map(|k| lanes(&self.moves[k], n)))
+    }
+
     /// The places at `n` and the next ones with their neighbours, each seen from itself.
     #[inline(always)]
     pub(super) fn points(&self, n: usize) -> [[Lanes; 2]; 3] {

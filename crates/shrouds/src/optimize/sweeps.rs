@@ -53,6 +53,6 @@ pub(super) fn solve(
 fn relative_change(surface: &Surface, old: &[f64], new: &[f64]) -> f64 {
     let moved: f64 = old.iter().zip(new).map(|(a, b)| (a - b).powi(2)).sum();
     // δ from the position and the position from δ are the same reflection.
-    let deltas = surface.crossings().iter().zip(new).map(|(c, &x)| c.from_low(x));
+    let deltas = surface.crossings().zip(new).map(|(c, &x)| c.from_low(x));
     (moved / deltas.map(|d| d * d).sum::<f64>()).sqrt()
 }

@@ -72,14 +72,10 @@ pub(super) struct CellTable {
 }
 
 impl CellTable {
-    /// The loops of a cell with these inside corners (bit `c` for corner `c`), with their numbers.
-    pub(super) fn loops(&self, corners: u8) -> impl Iterator<Item = (u16, &LoopShape)> {
+    /// The loops of a cell with these inside corners (bit `c` for corner `c`).
+    pub(super) fn loops(&self, corners: u8) -> &[LoopShape] {
         let pattern = usize::from(corners);
-        (self.starts[pattern]..self.starts[pattern + 1]).map(|n| (n, self.shape(n)))
-    }
-
-    pub(super) fn shape(&self, number: u16) -> &LoopShape {
-        &self.shapes[usize::from(number)]
+        &self.shapes[usize::from(self.starts[pattern])..usize::from(self.starts[pattern + 1])]
     }
 
     fn new(rule: FaceRule) -> Self {
@@ -206,7 +202,8 @@ mod tests {
             for pattern in 0..=255u8 {
                 let mut used: Vec<usize> = table(rule)
                     .loops(pattern)
-                    .flat_map(|(_, shape)| shape.edges().iter().map(|&e| usize::from(e)))
+                    .iter()
+                    .flat_map(|shape| shape.edges().iter().map(|&e| usize::from(e)))
                     .collect();
                 used.sort_unstable();
                 let expected: Vec<usize> = (0..12).filter(|&e| crossed(pattern, e)).collect();
@@ -219,7 +216,7 @@ mod tests {
     fn consecutive_corners_share_a_face_and_fixed_diagonals_do_not() {
         for rule in RULES {
             for pattern in 0..=255 {
-                for (_, shape) in table(rule).loops(pattern) {
+                for shape in table(rule).loops(pattern) {
                     let count = shape.edges().len();
                     assert!((3..=7).contains(&count), "{count} corners");
                     assert_eq!(shape.fixed().len(), count - 2);
@@ -241,7 +238,7 @@ mod tests {
     fn face_segments(pattern: u8, rule: FaceRule, axis: usize, side: usize) -> Vec<[usize; 2]> {
         let face = 1u8 << (2 * axis + side);
         let mut found = Vec::new();
-        for (_, shape) in table(rule).loops(pattern) {
+        for shape in table(rule).loops(pattern) {
             let edges = shape.edges();
             for (n, &a) in edges.iter().enumerate() {
                 let b = edges[(n + 1) % edges.len()];
@@ -286,7 +283,7 @@ mod tests {
 
     #[test]
     fn a_lone_inside_corner_is_seen_counter_clockwise_from_outside() {
-        let (_, shape) = table(FaceRule::Separate).loops(1).next().unwrap();
+        let shape = &table(FaceRule::Separate).loops(1)[0];
         assert_eq!(shape.edges(), [0, 4, 8], "x, y, z edges at corner 0");
     }
 }

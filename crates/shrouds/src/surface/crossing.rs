@@ -20,6 +20,12 @@ impl Crossing {
         )
     }
 
+    /// The crossing `steps` further along x, with this bit for whether its low end is inside. This one
+    /// begins its row and has its low end outside.
+    pub(super) fn along_row(self, steps: u64, inside_low: u64) -> Self {
+        Self(self.0 | steps | inside_low << (3 * FIELD + 2))
+    }
+
     /// Index `[i, j, k]` of the edge's low end in the surface's grid.
     pub fn low(self) -> [usize; 3] {
         [0, FIELD, 2 * FIELD].map(|shift| (self.0 >> shift & MASK) as usize)

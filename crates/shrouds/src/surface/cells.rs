@@ -1,0 +1,131 @@
+//! The cells that the surface passes, sixty-four along x at a time.
+
+use crate::surface::Surface;
+use crate::surface::bits::{mask_below, rank, set_bits};
+
+/// Up to sixty-four neighbouring cells along x between four rows of lattice points, which are in
+/// corner order: `(j, k)`, `(j + 1, k)`, `(j, k + 1)`, `(j + 1, k + 1)`.
+pub(super) struct CellWord {
+    /// Number of the word in its rows.
+    word: usize,
+    /// Bit `n` is the low corner of cell `n` on each row.
+    near: [u64; 4],
+    /// Bit `n` is the high corner of cell `n` on each row.
+    far: [u64; 4],
+    /// Cells with corners on both sides. Never 0.
+    active: u64,
+}
+
+impl CellWord {
+    /// The cells with corners on both sides.
+    pub(super) fn active(&self) -> u64 {
+        self.active
+    }
+
+    /// Which cells have each of their twelve edges crossed.
+    pub(super) fn crossed(&self) -> [u64; 12] {
+        let [a, b, c, d] = self.near;
+        let [e, f, g, h] = self.far;
+        [a ^ e, b ^ f, c ^ g, d ^ h, a ^ b, c ^ d, e ^ f, g ^ h, a ^ c, e ^ g, b ^ d, f ^ h]
+    }
+
+    /// Inside corners of cell `bit`, a bit each.
+    fn corners(&self, bit: u32) -> u8 {
+        (0..4).fold(0, |corners, row| {
+            let pair = (self.near[row] >> bit & 1) | (self.far[row] >> bit & 1) << 1;
+            corners | (pair as u8) << (2 * row)
+        })
+    }
+
+    /// The cells that may have more than one loop: those with an ambiguous face, or with two corners
+    /// on a body diagonal that differ from all their neighbours. Their corners come along.
+    pub(super) fn entangled(&self, crossed: &[u64; 12]) -> impl Iterator<Item = u8> {
+        let [xa, xb, xc, xd, ya, yb, yc, yd, za, zb, zc, zd] = *crossed;
+        // The number of crossed edges around a face is even: three make four.
+        let faces = (ya & yb & za) | (yc & yd & zb);
+        let faces = faces | (xa & xc & za) | (xb & xd & zc);
+        let faces = faces | (xa & xb & ya) | (xc & xd & yb);
+        let diagonals = (xa & ya & za & xd & yd & zd) | (xa & yc & zb & xd & yb & zc);
+        let diagonals = diagonals | (xb & ya & zc & xc & yd & zb) | (xb & yc & zd & xc & yb & za);
+        set_bits((faces | diagonals) & self.active).map(|bit| self.corners(bit))
+    }
+}
+
+/// Calls `f` for the words that hold active cells of the row of cells between four rows of lattice
+/// points, in corner order, of `cells + 1` points each.
+pub(super) fn for_each_word(rows: [&[u64]; 4], cells: usize, mut f: impl FnMut(&CellWord)) {
+    let count = rows[0].len();
+    let [a, b, c, d] = rows.map(|row| &row[..count]);
+    let mut near = [a[0], b[0], c[0], d[0]];
+    for word in 0..count {
+        let next = if word + 1 < count {
+            [a[word + 1], b[word + 1], c[word + 1], d[word + 1]]
+        } else {
+            [0; 4]
+        };
+        let far = std::array::from_fn(|row| near[row] >> 1 | next[row] << 63);
+        let any = near.iter().chain(&far).fold(0, |any, bits| any | bits);
+        let all = near.iter().chain(&far).fold(u64::MAX, |all, bits| all & bits);
+        let active = any & !all & mask_below(cells, word);
+        if active != 0 {
+            f(&CellWord { word, near, far, active });
+        }
+        near = next;
+    }
+}
+
+impl Surface {
+    /// Calls `f` with the inside corners and the vertices on the twelve edges of every active cell of
+    /// a layer, in order. What stands for an edge that is not crossed means nothing, nor do the last
+    /// four entries.
+    pub(super) fn for_each_cell(&self, layer: usize, mut f: impl FnMut(u8, &[u32; 16])) {
+        let [nx, ny, _] = self.grid().dims();
+        for j in 0..ny - 1 {
+            let [low, high] = [layer * ny + j, (layer + 1) * ny + j];
+            if self.first_vertex(low) == self.first_vertex(low + 2)
+                && self.first_vertex(high) == self.first_vertex(high + 2)
+            {
+                continue;
+            }
+            let numbers = [low, low + 1, high, high + 1].map(|row| self.rows[row]);
+            let [a, b, c, d] = numbers;
+            // The first vertices of the rows of crossings around the cells: four along x, and those
+            // along y and z, which serve two cell edges each.
+            let mut first = [a[0], b[0], c[0], d[0], a[1], c[1], a[2], b[2]];
+            let rows = [(j, layer), (j + 1, layer), (j, layer + 1), (j + 1, layer + 1)];
+            let rows = rows.map(|(j, k)| self.volume.row(j, k));
+            for_each_word(rows, nx - 1, |word| {
+                let crossed = word.crossed();
+                let [xa, xb, xc, xd, ya, yb, _, _, za, _, zb, _] = crossed;
+                let [p, q, r, s, t, u, v, w] = first;
+                let step = |stream: u64| (stream & 1) as u32;
+                let base = [
+                    p,
+                    q,
+                    r,
+                    s,
+                    t,
+                    u,
+                    t + step(ya),
+                    u + step(yb),
+                    v,
+                    v + step(za),
+                    w,
+                    w + step(zb),
+                ];
+                let mut vertices = [0; 16];
+                for bit in set_bits(word.active) {
+                    for edge in 0..12 {
+                        vertices[edge] = base[edge] + rank(crossed[edge], bit);
+                    }
+                    f(word.corners(bit), &vertices);
+                }
+                let valid = mask_below(nx - 1, word.word);
+                let streams = [xa & valid, xb & valid, xc & valid, xd & valid, ya, yb, za, zb];
+                for (first, stream) in first.iter_mut().zip(streams) {
+                    *first += stream.count_ones();
+                }
+            });
+        }
+    }
+}
