@@ -18,16 +18,19 @@ pub use linear::Linear;
 pub use parameter::Parameter;
 pub use scalar::{Scalar, Slope};
 
-use wide::f64x4;
+use wide::{f32x8, f64x8};
 
 /// A point in the plane of a curve.
 pub type Point2<S = f64> = [S; 2];
 
 /// Numbers of several stencils side by side, for arithmetic on all of them at once.
-pub type Lanes = [f64; 4];
+pub type Lanes<R> = [R; LANES];
+
+/// How many numbers make [`Lanes`].
+pub const LANES: usize = 8;
 
 /// Three successive vertices of a planar polygon, each free to move along a line: one stencil, or
-/// with `T =` [`Lanes`] four.
+/// with `T =` [`Lanes`] eight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stencil<T = f64> {
     /// The previous vertex, the vertex that ρ belongs to, and the next one.
@@ -52,6 +55,21 @@ pub trait CurveFormula: Send + Sync {
     /// Two numbers the sum of whose squares is ρ at the middle one of three successive vertices.
     fn residual<S: Scalar>(&self, points: [Point2<S>; 3]) -> [S; 2];
 
+    /// ρ as a sum of squares and its derivatives, each vertex moving along its `moves`.
+    ///
+    /// The default carries derivatives through [`CurveFormula::residual`]; a formula that has them in
+    /// closed form may save time with its own.
+    #[inline(always)]
+    fn differentiate<S: Scalar>(&self, stencil: Stencil<S>) -> Term<S> {
+        let unknown = |n: usize, k: usize| {
+            let mut slope = [S::constant(0.0); 3];
+            slope[n] = stencil.moves[n][k];
+            Slope { value: stencil.points[n][k], slope }
+        };
+        let residual = self.residual([0, 1, 2].map(|n| [0, 1].map(|k| unknown(n, k))));
+        Term { residual: residual.map(|r| r.value), slope: residual.map(|r| r.slope) }
+    }
+
     /// The exponent A of the Meusnier weight `(1 − n_p²)^(A/2)`, `n` being the surface normal at the
     /// vertex and `p` the normal of the curve's plane; 0 for none.
     ///
@@ -73,12 +91,12 @@ pub trait CurveFormula: Send + Sync {
 pub trait CurveEnergy: Send + Sync {
     /// ρ and its derivatives.
     fn term(&self, stencil: &Stencil) -> Term;
-    /// ρ and its derivatives at four stencils.
-    fn terms(&self, stencils: &Stencil<Lanes>) -> Term<Lanes>;
     /// ρ at the middle one of three successive vertices.
     fn rho(&self, points: &[Point2; 3]) -> f64;
-    /// ρ at four stencils.
-    fn rhos(&self, points: &[Point2<Lanes>; 3]) -> Lanes;
+    /// [`CurveEnergy::term`] of several stencils in single precision.
+    fn terms_single(&self, stencils: &Stencil<Lanes<f32>>) -> Term<Lanes<f32>>;
+    /// [`CurveEnergy::term`] of several stencils in double precision.
+    fn terms_double(&self, stencils: &Stencil<Lanes<f64>>) -> Term<Lanes<f64>>;
     /// See [`CurveFormula::meusnier_exponent`].
     fn meusnier_exponent(&self) -> f64;
     /// See [`CurveFormula::barrier`].
@@ -87,24 +105,20 @@ pub trait CurveEnergy: Send + Sync {
 
 impl<F: CurveFormula> CurveEnergy for F {
     fn term(&self, stencil: &Stencil) -> Term {
-        differentiate(self, stencil.points, stencil.moves)
-    }
-
-    fn terms(&self, stencils: &Stencil<Lanes>) -> Term<Lanes> {
-        let load = |points: [Point2<Lanes>; 3]| points.map(|p| p.map(f64x4::from));
-        let term = differentiate(self, load(stencils.points), load(stencils.moves));
-        Term {
-            residual: term.residual.map(f64x4::to_array),
-            slope: term.slope.map(|slopes| slopes.map(f64x4::to_array)),
-        }
+        self.differentiate(*stencil)
     }
 
     fn rho(&self, points: &[Point2; 3]) -> f64 {
-        sum_of_squares(self.residual(*points))
+        let [a, b] = self.residual(*points);
+        a * a + b * b
     }
 
-    fn rhos(&self, points: &[Point2<Lanes>; 3]) -> Lanes {
-        sum_of_squares(self.residual(points.map(|p| p.map(f64x4::from)))).to_array()
+    fn terms_single(&self, stencils: &Stencil<Lanes<f32>>) -> Term<Lanes<f32>> {
+        self.differentiate(stencils.map(f32x8::from)).map(f32x8::to_array)
+    }
+
+    fn terms_double(&self, stencils: &Stencil<Lanes<f64>>) -> Term<Lanes<f64>> {
+        self.differentiate(stencils.map(f64x8::from)).map(f64x8::to_array)
     }
 
     fn meusnier_exponent(&self) -> f64 {
@@ -116,25 +130,19 @@ impl<F: CurveFormula> CurveEnergy for F {
     }
 }
 
-/// The residuals of three vertices with their derivatives along the vertices' moves.
-#[inline(always)]
-fn differentiate<S: Scalar>(
-    formula: &impl CurveFormula,
-    points: [Point2<S>; 3],
-    moves: [Point2<S>; 3],
-) -> Term<S> {
-    let unknown = |n: usize, k: usize| {
-        let mut slope = [S::constant(0.0); 3];
-        slope[n] = moves[n][k];
-        Slope { value: points[n][k], slope }
-    };
-    let residual = formula.residual([0, 1, 2].map(|n| [0, 1].map(|k| unknown(n, k))));
-    Term { residual: residual.map(|r| r.value), slope: residual.map(|r| r.slope) }
+impl<T: Copy> Stencil<T> {
+    #[inline(always)]
+    fn map<U>(&self, f: impl Fn(T) -> U) -> Stencil<U> {
+        let all = |vectors: [Point2<T>; 3]| vectors.map(|v| v.map(&f));
+        Stencil { points: all(self.points), moves: all(self.moves) }
+    }
 }
 
-#[inline(always)]
-fn sum_of_squares<S: Scalar>([a, b]: [S; 2]) -> S {
-    a * a + b * b
+impl<T: Copy> Term<T> {
+    #[inline(always)]
+    fn map<U>(&self, f: impl Fn(T) -> U) -> Term<U> {
+        Term { residual: self.residual.map(&f), slope: self.slope.map(|slopes| slopes.map(&f)) }
+    }
 }
 
 /// The vector from `a` to `b`.

@@ -5,7 +5,7 @@
 
 use std::ops::{Add, Div, Mul, Sub};
 
-use wide::f64x4;
+use wide::{f32x8, f64x8};
 
 /// What a formula may do with a number.
 pub trait Scalar:
@@ -28,15 +28,26 @@ impl Scalar for f64 {
     }
 }
 
-/// Four numbers at a time, each rounded as it would be alone.
-impl Scalar for f64x4 {
+/// Eight numbers at a time, each rounded as it would be alone.
+impl Scalar for f64x8 {
     #[inline(always)]
     fn constant(value: f64) -> Self {
         Self::splat(value)
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        f64x4::sqrt(self)
+        f64x8::sqrt(self)
+    }
+}
+
+impl Scalar for f32x8 {
+    #[inline(always)]
+    fn constant(value: f64) -> Self {
+        Self::splat(value as f32)
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        f32x8::sqrt(self)
     }
 }
 

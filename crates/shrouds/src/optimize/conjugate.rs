@@ -2,12 +2,32 @@
 
 use crate::network::Network;
 use crate::optimize::model::Model;
+use crate::optimize::real::Real;
 use crate::parallel::{self, NONE};
 
-/// Room that the positions have: each step component must stay between these.
-pub(super) struct Room {
-    pub(super) low: Vec<f32>,
-    pub(super) high: Vec<f32>,
+/// Room that the positions have for one step.
+pub(super) struct Room<'a, R> {
+    pub(super) x: &'a [R],
+    pub(super) bounds: [R; 2],
+    /// The largest part of the way to a bound that a step may cover.
+    pub(super) part: f32,
+    /// Whether a vertex must stay where it is.
+    pub(super) is_fixed: &'a [bool],
+}
+
+impl<R: Real> Room<'_, R> {
+    /// Between what the step of vertex `v` must stay.
+    #[inline(always)]
+    fn of(&self, v: usize) -> [f32; 2] {
+        self.bounds.map(|bound| self.part * (bound - self.x[v]).to_f64() as f32)
+    }
+
+    /// Whether vertex `v` cannot follow the slope of the energy.
+    #[inline(always)]
+    fn holds(&self, v: usize, gradient: f64) -> bool {
+        let [low, high] = self.of(v);
+        (low >= 0.0 && gradient > 0.0) || (high <= 0.0 && gradient < 0.0) || self.is_fixed[v]
+    }
 }
 
 /// Effort spent on one step.
@@ -60,7 +80,13 @@ impl Workspace {
     /// Long runs of conjugate gradients leave the box along its almost flat valleys, and cutting the
     /// step at the end would spoil it; so it is cut after every short segment, the vertices that were
     /// cut stay where they are, and the next segment starts from the corrected residual.
-    pub(super) fn solve(&mut self, model: &Model, network: &Network, room: &Room, effort: &Effort) {
+    pub(super) fn solve<R: Real>(
+        &mut self,
+        model: &Model<R>,
+        network: &Network,
+        room: &Room<R>,
+        effort: &Effort,
+    ) {
         let mut norm = self.start(model, room);
         let goal = norm * effort.reduction * effort.reduction;
         for segment in 0..effort.segments {
@@ -77,16 +103,14 @@ impl Workspace {
 
     /// Starts from no step at all. Returns the squared norm of the residual in the metric of the
     /// preconditioner, as the functions below do.
-    fn start(&mut self, model: &Model, room: &Room) -> f64 {
+    fn start<R: Real>(&mut self, model: &Model<R>, room: &Room<R>) -> f64 {
         let arrays = [&mut self.residual[..], &mut self.inverse];
         parallel::update_blocks(&mut self.step, arrays, |first, step, [residual, inverse]| {
             let mut norm = 0.0;
             for n in 0..step.len() {
                 let v = first + n;
                 let (gradient, diagonal) = (model.gradient(v), model.diagonal(v));
-                let held = (room.low[v] >= 0.0 && gradient > 0.0)
-                    || (room.high[v] <= 0.0 && gradient < 0.0);
-                let free = !held && diagonal > 0.0;
+                let free = !room.holds(v, gradient) && diagonal > 0.0;
                 step[n] = 0.0;
                 (inverse[n], residual[n]) =
                     if free { ((1.0 / diagonal) as f32, -gradient as f32) } else { (0.0, 0.0) };
@@ -97,9 +121,9 @@ impl Workspace {
     }
 
     /// Conjugate gradients from the current residual.
-    fn segment(
+    fn segment<R: Real>(
         &mut self,
-        model: &Model,
+        model: &Model<R>,
         network: &Network,
         iterations: usize,
         mut norm: f64,
@@ -138,7 +162,7 @@ impl Workspace {
 
     /// Adds the parts of the image at both places of every vertex and on the diagonal. Returns the
     /// product of the image with the direction.
-    fn combine(&mut self, model: &Model, network: &Network) -> f64 {
+    fn combine<R: Real>(&mut self, model: &Model<R>, network: &Network) -> f64 {
         let (direction, images) = (&self.direction, &self.place_images);
         parallel::update_blocks(&mut self.image, NONE, |first, image, []| {
             let count = image.len();
@@ -169,13 +193,14 @@ impl Workspace {
     }
 
     /// Cuts the step to the room and fixes the vertices that were cut; whether there were any.
-    fn cut_to(&mut self, room: &Room) -> bool {
+    fn cut_to<R: Real>(&mut self, room: &Room<R>) -> bool {
         let arrays = [&mut self.residual[..], &mut self.inverse];
         let cuts = parallel::update_blocks(&mut self.step, arrays, |first, step, [residual, inverse]| {
             let mut cuts = 0.0;
             for n in 0..step.len() {
-                let cut = step[n].clamp(room.low[first + n], room.high[first + n]);
-                if cut != step[n] {
+                let [low, high] = room.of(first + n);
+                let cut = step[n].clamp(low, high);
+                if cut != step[n] && inverse[n] > 0.0 {
                     (step[n], residual[n], inverse[n]) = (cut, 0.0, 0.0);
                     cuts += 1.0;
                 }
@@ -185,7 +210,7 @@ impl Workspace {
         cuts > 0.0
     }
 
-    fn recompute_residual(&mut self, model: &Model, network: &Network) -> f64 {
+    fn recompute_residual<R: Real>(&mut self, model: &Model<R>, network: &Network) -> f64 {
         model.images(network, &self.step, &mut self.place_images);
         let (step, inverse, images) = (&self.step, &self.inverse, &self.place_images);
         parallel::update_blocks(&mut self.residual, NONE, |first, residual, []| {

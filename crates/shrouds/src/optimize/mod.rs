@@ -6,10 +6,12 @@
 //!
 //! Uses: `grid`, `volume`, `surface`, `network`, `energy`.
 
+mod blur;
 mod conjugate;
 mod model;
 mod newton;
 mod problem;
+mod real;
 mod report;
 mod settings;
 mod start;
@@ -42,15 +44,28 @@ pub fn optimize(
     observer: &mut Observer,
 ) -> Result<(Vec<f64>, Report), Error> {
     settings.validate()?;
-    let mut x = start::positions(volume, surface, &settings.start);
+    let t0 = std::time::Instant::now();
+    let mut x = start::positions(surface, &settings.start);
+    if std::env::var("LAP").is_ok() { eprintln!("  start {:.1} ns/v", t0.elapsed().as_secs_f64() * 1e9 / x.len() as f64); }
     let bounds = [settings.margin, 1.0 - settings.margin];
     x.iter_mut().for_each(|x| *x = x.clamp(bounds[0], bounds[1]));
+    let grid = surface.grid();
+    let spacing = grid.spacing().map(|h| h / grid.min_spacing());
+    if std::env::var("PLAN").is_ok() {
+        let mut x: Vec<f32> = x.iter().map(|&x| x as f32).collect();
+        let first = x.clone();
+        let mut problem = Problem::new(network, spacing, settings.energy.as_ref(), bounds);
+        let rounds = newton::solve(&mut problem, &mut x, settings, observer);
+        let report = Report::new(&problem, rounds, &first, &x);
+        let delta = surface.crossings().zip(&x).map(|(c, &x)| c.from_low(x as f64)).collect();
+        return Ok((delta, report));
+    }
     let first = x.clone();
-    let mut problem = Problem::new(surface, network, settings.energy.as_ref(), bounds);
+    let mut problem = Problem::new(network, spacing, settings.energy.as_ref(), bounds);
     let rounds = match settings.solver {
         _ if x.is_empty() => Vec::new(),
         Solver::Newton => newton::solve(&mut problem, &mut x, settings, observer),
-        Solver::Sweeps => sweeps::solve(&mut problem, &mut x, settings, observer),
+        Solver::Sweeps => sweeps::solve(&mut problem, surface, &mut x, settings, observer),
     };
     let report = Report::new(&problem, rounds, &first, &x);
     let delta = surface.crossings().zip(&x).map(|(c, &x)| c.from_low(x)).collect();

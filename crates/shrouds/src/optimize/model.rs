@@ -1,8 +1,10 @@
 //! The energy around a state to second order: a gradient and a matrix along the curves.
 
+use crate::energy::{LANES, Lanes};
 use crate::network::{Network, REPEATED};
 use crate::optimize::problem::Problem;
-use crate::optimize::strip::{STRIP, Strip, WIDTH};
+use crate::optimize::real::Real;
+use crate::optimize::strip::{STRIP, Strip};
 use crate::parallel::{self, NONE};
 
 /// Gradient and Gauss–Newton matrix of the energy.
@@ -10,32 +12,19 @@ use crate::parallel::{self, NONE};
 /// The matrix couples a place to those one and two steps away on its curve, and the two places of a
 /// vertex act as one. In single precision: the matrix only shapes the steps, and where they end is
 /// decided by the gradient.
-pub(super) struct Model {
-    gradient: Vec<f64>,
+pub(super) struct Model<R> {
+    gradient: Vec<R>,
     diagonal: Vec<f32>,
     /// Coupling of every place to the next one, and to the one after that.
     near: Vec<f32>,
     far: Vec<f32>,
 }
 
-/// Gradient and Gauss–Newton matrix of ρ at the places of a strip with respect to the three
-/// positions it depends on.
-struct Quadratics {
-    /// Twice ρ.
-    rho: [f64; LENGTH],
-    gradient: [[f64; LENGTH]; 3],
-    /// Of the entries (0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2).
-    matrix: [[f64; LENGTH]; 6],
-}
-
-/// One place before and one after the strip take part, and the last lanes may reach beyond.
-const LENGTH: usize = STRIP + 2 + WIDTH;
-
-impl Model {
-    pub(super) fn new(problem: &Problem) -> Self {
-        let (vertices, places) = (problem.vertex_count(), problem.network.vertices().len());
+impl<R: Real> Model<R> {
+    pub(super) fn new(network: &Network) -> Self {
+        let (vertices, places) = (network.vertex_count(), network.vertices().len());
         Self {
-            gradient: vec![0.0; vertices],
+            gradient: vec![R::default(); vertices],
             diagonal: vec![0.0; vertices],
             near: vec![0.0; places],
             far: vec![0.0; places],
@@ -43,50 +32,56 @@ impl Model {
     }
 
     /// Sets gradient and matrix to those at `x`; returns the energy there.
-    pub(super) fn linearise(&mut self, problem: &Problem, x: &[f64]) -> f64 {
-        let mut slopes = vec![0.0f64; self.near.len()];
-        let mut squares = vec![0.0f32; self.near.len()];
+    pub(super) fn linearise(&mut self, problem: &Problem<R>, x: &[R]) -> f64 {
+        let places = self.near.len();
+        let (mut slopes, mut squares) = (vec![R::default(); places], vec![0.0f32; places]);
         let arrays = [&mut squares[..], &mut self.near, &mut self.far];
-        let curves = parallel::update_blocks(&mut slopes, arrays, |first, slopes, [squares, near, far]| {
-            let mut quadratics = Quadratics::new();
+        let curves = parallel::update_blocks(&mut slopes, arrays, |first, slopes, matrix| {
+            let [squares, near, far] = matrix;
             let range = first..first + slopes.len();
-            let mut rho = vec![0.0; range.len()];
+            let mut rho = vec![R::default(); range.len()];
+            let mut terms = Terms::new();
             problem.strips(x, range.clone(), |strip, places| {
-                quadratics.fill(problem, strip, places.start, places.len());
-                let QuadraticsView { g, m } = quadratics.view();
-                for n in 0..places.len() {
-                    let out = places.start - first + n;
-                    // Index n + 1 is the place itself.
-                    slopes[out] = g[1][n + 1] + g[2][n] + g[0][n + 2];
-                    squares[out] = (m[3][n + 1] + m[5][n] + m[0][n + 2]) as f32;
-                    near[out] = (m[4][n + 1] + m[1][n + 2]) as f32;
-                    far[out] = m[2][n + 2] as f32;
-                    rho[out] = 0.5 * quadratics.rho[n + 1];
-                }
+                terms.fill(problem, strip, places.len());
+                let out = places.start - first..places.end - first;
+                let count = out.len();
+                let row = |row: &[f32; STRIP], out: &mut [f32]| out.copy_from_slice(&row[..count]);
+                slopes[out.clone()].copy_from_slice(&terms.slopes()[..count]);
+                row(&terms.squares(), &mut squares[out.clone()]);
+                row(&terms.near(), &mut near[out.clone()]);
+                row(&terms.far(), &mut far[out.clone()]);
+                rho[out].copy_from_slice(&terms.rho[1..=count]);
             });
             problem.sum_over_curves(range, &rho)
         });
+        self.gather(problem, x, &slopes, &squares);
+        curves + problem.barrier_value(x)
+    }
+
+    /// Gradient and diagonal from the parts at both places of every vertex and the barrier.
+    fn gather(&mut self, problem: &Problem<R>, x: &[R], slopes: &[R], squares: &[f32]) {
         let places = problem.network.places();
-        parallel::update_blocks(&mut self.gradient, [&mut self.diagonal], |first, gradient, [diagonal]| {
+        let diagonal = [&mut self.diagonal[..]];
+        parallel::update_blocks(&mut self.gradient, diagonal, |first, gradient, [diagonal]| {
             for (n, (gradient, diagonal)) in gradient.iter_mut().zip(diagonal).enumerate() {
                 let [a, b] = places[first + n].map(|place| place as usize);
                 let barrier = problem.barrier_slope(x[first + n]);
-                *gradient = barrier.slope + slopes[a] + slopes[b];
+                *gradient = R::from_f64(barrier.slope) + slopes[a] + slopes[b];
                 *diagonal = barrier.curvature as f32 + squares[a] + squares[b];
             }
             0.0
         });
-        curves + problem.barrier_value(x)
     }
 
     /// How far vertex `v` would move from `x` to the minimum of the model if all others stayed.
-    pub(super) fn lone_step(&self, v: usize, x: f64, [low, high]: [f64; 2]) -> f64 {
+    pub(super) fn lone_step(&self, v: usize, x: R, [low, high]: [R; 2]) -> f64 {
+        let (x, low, high) = (x.to_f64(), low.to_f64(), high.to_f64());
         let length = self.gradient(v) / self.diagonal(v).max(f64::MIN_POSITIVE);
         (x - length).clamp(low, high) - x
     }
 
     pub(super) fn gradient(&self, v: usize) -> f64 {
-        self.gradient[v]
+        self.gradient[v].to_f64()
     }
 
     pub(super) fn diagonal(&self, v: usize) -> f64 {
@@ -110,11 +105,10 @@ impl Model {
                 for (value, &v) in gathered.iter_mut().zip(&network.vertices()[window]) {
                     *value = vector[v as usize];
                 }
-                let out = &mut images[start - first..start - first + count];
+                let out = &mut images[start - first..][..count];
                 let (near, before) = (&self.near[start..][..count], &self.near[start - 1..][..count]);
                 let (far, behind) = (&self.far[start..][..count], &self.far[start - 2..][..count]);
-                let value = |shift: usize| &gathered[shift..shift + count];
-                let [a, b, c, d] = [value(0), value(1), value(3), value(4)];
+                let [a, b, c, d] = [0, 1, 3, 4].map(|shift| &gathered[shift..][..count]);
                 for n in 0..count {
                     out[n] = behind[n] * a[n] + before[n] * b[n] + near[n] * c[n] + far[n] * d[n];
                 }
@@ -124,45 +118,79 @@ impl Model {
     }
 }
 
-struct QuadraticsView<'a> {
-    g: [&'a [f64; LENGTH]; 3],
-    m: [&'a [f64; LENGTH]; 6],
+/// ρ, its gradient and its Gauss–Newton matrix with respect to the three positions it depends on, at
+/// the places of a strip and at one more to either side. Index 0 is the one before.
+struct Terms<R> {
+    /// The value.
+    rho: [R; LENGTH],
+    gradient: [[R; LENGTH]; 3],
+    /// The entries (0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2).
+    matrix: [[R; LENGTH]; 6],
 }
 
-impl Quadratics {
+/// One place before and one after the strip take part, and the last lanes may reach beyond.
+const LENGTH: usize = STRIP + LANES;
+
+impl<R: Real> Terms<R> {
     fn new() -> Self {
-        Self { rho: [0.0; LENGTH], gradient: [[0.0; LENGTH]; 3], matrix: [[0.0; LENGTH]; 6] }
+        let zeros = [R::default(); LENGTH];
+        Self { rho: zeros, gradient: [zeros; 3], matrix: [zeros; 6] }
     }
 
-    fn view(&self) -> QuadraticsView<'_> {
-        QuadraticsView { g: self.gradient.each_ref(), m: self.matrix.each_ref() }
-    }
-
-    /// At the `count` places from `start` on and at one more to either side; index 0 is the one before.
-    fn fill(&mut self, problem: &Problem, strip: &Strip, start: usize, count: usize) {
+    /// Evaluates the terms at the `count` places of a strip and at those beside it.
+    fn fill(&mut self, problem: &Problem<R>, strip: &Strip<R>, count: usize) {
         const PAIRS: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
-        let mut weights = [0.0; LENGTH];
-        problem.doubled_weights(start - 1..start + count + 1, &mut weights);
-        for n in (0..count + 2).step_by(WIDTH) {
-            let term = problem.terms(strip, n + REPEATED - 1);
-            let weight: [f64; WIDTH] = std::array::from_fn(|l| weights[n + l]);
-            let [a, b] = [0, 1].map(|r| {
-                term.slope[r].map(|slope| std::array::from_fn::<f64, WIDTH, _>(|l| weight[l] * slope[l]))
-            });
-            for l in 0..WIDTH {
-                let [a, b] = [term.residual[0][l], term.residual[1][l]];
-                self.rho[n + l] = weight[l] * (a * a + b * b);
+        let two = R::from_f64(2.0);
+        for n in (0..count + 2).step_by(LANES) {
+            let term = R::terms(problem.energy, &strip.stencils(n + REPEATED - 1));
+            let weight = strip.weights(n + REPEATED - 1);
+            let doubled = weight.map(|w| two * w);
+            let [p, q] = term.residual;
+            let [a, b] = term.slope;
+            let scaled = [a, b].map(|slopes| slopes.map(|s| product(&doubled, &s)));
+            put(&mut self.rho, n, |l| weight[l] * (p[l] * p[l] + q[l] * q[l]));
+            for (j, row) in self.gradient.iter_mut().enumerate() {
+                put(row, n, |l| p[l] * scaled[0][j][l] + q[l] * scaled[1][j][l]);
             }
-            for j in 0..3 {
-                for l in 0..WIDTH {
-                    self.gradient[j][n + l] = term.residual[0][l] * a[j][l] + term.residual[1][l] * b[j][l];
-                }
-            }
-            for (entry, (i, j)) in self.matrix.iter_mut().zip(PAIRS) {
-                for l in 0..WIDTH {
-                    entry[n + l] = term.slope[0][i][l] * a[j][l] + term.slope[1][i][l] * b[j][l];
-                }
+            for (row, (i, j)) in self.matrix.iter_mut().zip(PAIRS) {
+                put(row, n, |l| a[i][l] * scaled[0][j][l] + b[i][l] * scaled[1][j][l]);
             }
         }
+    }
+
+    /// The gradient in the position of every place.
+    fn slopes(&self) -> [R; STRIP] {
+        let [next, own, previous] = &self.gradient;
+        std::array::from_fn(|n| own[n + 1] + previous[n] + next[n + 2])
+    }
+
+    /// The diagonal of the matrix.
+    fn squares(&self) -> [f32; STRIP] {
+        let [next, _, _, own, _, previous] = &self.matrix;
+        std::array::from_fn(|n| (own[n + 1] + previous[n] + next[n + 2]).to_f64() as f32)
+    }
+
+    /// The coupling of every place to the next one.
+    fn near(&self) -> [f32; STRIP] {
+        let [_, next, _, _, own, _] = &self.matrix;
+        std::array::from_fn(|n| (own[n + 1] + next[n + 2]).to_f64() as f32)
+    }
+
+    /// The coupling of every place to the one after the next.
+    fn far(&self) -> [f32; STRIP] {
+        std::array::from_fn(|n| self.matrix[2][n + 2].to_f64() as f32)
+    }
+}
+
+#[inline(always)]
+fn product<R: Real>(a: &Lanes<R>, b: &Lanes<R>) -> Lanes<R> {
+    std::array::from_fn(|l| a[l] * b[l])
+}
+
+/// Sets some numbers from index `n` on.
+#[inline(always)]
+fn put<R: Real>(row: &mut [R; LENGTH], n: usize, f: impl Fn(usize) -> R) {
+    for (l, value) in row[n..n + LANES].iter_mut().enumerate() {
+        *value = f(l);
     }
 }

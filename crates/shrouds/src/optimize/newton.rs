@@ -3,10 +3,11 @@
 use crate::optimize::conjugate::{Effort, Room, Workspace};
 use crate::optimize::model::Model;
 use crate::optimize::problem::Problem;
+use crate::optimize::real::Real;
 use crate::optimize::report::{Round, Stationarity, Status};
 use crate::optimize::settings::{Observer, Progress, Settings};
 use crate::optimize::univariate;
-use crate::parallel::{self, NONE};
+use crate::parallel;
 
 /// The most often that weights and barrier are frozen anew, if the energy has any. They settle sooner:
 /// the rounds end with the first that finds nothing to do.
@@ -19,21 +20,21 @@ const EARLY_DECREASE: f64 = 0.02;
 const SETTLED: f64 = 1e-3;
 /// Chords below this part of the smallest spacing get a repair: there the linearised energy, whose
 /// derivatives grow with the inverse of the length, is worth little.
-const SHORT_CHORD: f64 = 0.2;
+const SHORT_CHORD: f32 = 0.2;
 /// A curve that turns so much that this is above the cosine may sit in a local minimum of one vertex.
-const SHARP_TURN: f64 = 0.3;
+const SHARP_TURN: f32 = 0.3;
 /// A vertex that would move farther than this if it were alone is awkward; so many sweeps over the
 /// awkward ones follow a step, if they are at most one in `FEW`.
 const LONG_LONE_STEP: f64 = 0.003;
 const AWKWARD_SWEEPS: usize = 5;
 const FEW: usize = 20;
 /// With a barrier a step covers at most this part of the way to a bound.
-const MOST_OF_THE_WAY: f64 = 0.95;
+const MOST_OF_THE_WAY: f32 = 0.95;
 
 /// Steps until the root mean square of the projected step falls to the tolerance.
-pub(super) fn solve(
-    problem: &mut Problem,
-    x: &mut Vec<f64>,
+pub(super) fn solve<R: Real>(
+    problem: &mut Problem<R>,
+    x: &mut Vec<R>,
     settings: &Settings,
     observer: &mut Observer,
 ) -> Vec<Round> {
@@ -43,7 +44,7 @@ pub(super) fn solve(
     let mut rounds: Vec<Round> = Vec::new();
     let mut done = 0;
     for round in 0..count {
-        problem.freeze(x);
+        let t0 = std::time::Instant::now(); problem.freeze(x); if std::env::var("LAP").is_ok() { eprintln!("  freeze {:.1} ns/v", t0.elapsed().as_secs_f64() * 1e9 / x.len() as f64); }
         let left = settings.max_iterations() - done;
         let early = round + 1 < count;
         let steps = if early { EARLY_STEPS.min(left) } else { left };
@@ -80,20 +81,21 @@ impl Limits {
     }
 }
 
-struct Newton {
-    model: Model,
+struct Newton<R> {
+    model: Model<R>,
     workspace: Workspace,
+    is_fixed: Vec<bool>,
 }
 
-impl Newton {
-    fn new(problem: &Problem) -> Self {
-        Self { model: Model::new(problem), workspace: Workspace::new(problem.network) }
+impl<R: Real> Newton<R> {
+    fn new(problem: &Problem<R>) -> Self {
+        Self { model: Model::new(problem.network), workspace: Workspace::new(problem.network), is_fixed: vec![false; problem.vertex_count()] }
     }
 
     fn round(
         &mut self,
-        problem: &Problem,
-        x: &mut Vec<f64>,
+        problem: &Problem<R>,
+        x: &mut Vec<R>,
         settings: &Settings,
         limits: &Limits,
         observer: &mut Observer,
@@ -136,18 +138,23 @@ impl Newton {
     /// the new energy, with the model linearised there, or nothing when neither helped.
     fn step(
         &mut self,
-        problem: &Problem,
-        x: &mut Vec<f64>,
+        problem: &Problem<R>,
+        x: &mut Vec<R>,
         energy: f64,
         effort: &Effort,
     ) -> Option<f64> {
-        self.workspace.solve(&self.model, problem.network, &room(problem, x), effort);
+        let n = x.len() as f64; let mut t = std::time::Instant::now(); let mut lap = |name: &str| { if std::env::var("LAP").is_ok() { eprintln!("  {name} {:.1} ns/v", t.elapsed().as_secs_f64() * 1e9 / n); } t = std::time::Instant::now(); };
+        self.workspace.solve(&self.model, problem.network, &room(problem, x, &self.is_fixed), effort);
+        lap("cg");
         let workspace = &self.workspace;
-        let [low, high] = problem.bounds;
-        let mut together = vec![0.0; x.len()];
-        parallel::fill(&mut together, |v| (x[v] + workspace.step(v)).clamp(low, high));
-        repair(problem, &mut together, &self.awkward(problem, x));
+        let [low, high] = problem.bounds.map(R::to_f64);
+        let mut together = vec![R::default(); x.len()];
+        parallel::fill(&mut together, |v| R::from_f64((x[v].to_f64() + workspace.step(v)).clamp(low, high)));
+        lap("move"); let aw = self.awkward(problem, x); lap("awkward");
+        repair(problem, &mut together, &aw);
+ lap("repair");
         let lower = self.model.linearise(problem, &together);
+ lap("linearise");
         if lower < energy + univariate::ROUNDING * energy.abs() {
             *x = together;
             return Some(lower);
@@ -165,7 +172,7 @@ impl Newton {
 
     /// The vertices that would move far if they were alone, unless they are many: few, they sit in
     /// thin parts where the model is worth little; many, the step takes care of them.
-    fn awkward(&self, problem: &Problem, x: &[f64]) -> Vec<u32> {
+    fn awkward(&self, problem: &Problem<R>, x: &[R]) -> Vec<u32> {
         let far = |v: &u32| {
             let v = *v as usize;
             self.model.lone_step(v, x[v], problem.bounds).abs() > LONG_LONE_STEP
@@ -176,35 +183,24 @@ impl Newton {
 }
 
 /// How far every vertex may move down and up its grid edge in one step.
-fn room(problem: &Problem, x: &[f64]) -> Room {
-    let [low, high] = problem.bounds;
+fn room<'a, R: Real>(problem: &Problem<R>, x: &'a [R], is_fixed: &'a [bool]) -> Room<'a, R> {
     let part = if problem.has_barrier() { MOST_OF_THE_WAY } else { 1.0 };
-    let mut room = Room { low: vec![0.0; x.len()], high: vec![0.0; x.len()] };
-    parallel::fill(&mut room.low, |v| (part * (low - x[v])) as f32);
-    parallel::fill(&mut room.high, |v| (part * (high - x[v])) as f32);
-    room
+    Room { x, bounds: problem.bounds, part, is_fixed }
 }
 
 /// One univariate step on every vertex with a very short chord, a scan of the grid edge of every
 /// vertex where a curve turns sharply, and sweeps over the awkward ones, each in order.
-fn repair(problem: &Problem, x: &mut [f64], awkward: &[u32]) {
-    let places = problem.network.vertices().len();
-    let mut marks = vec![0u8; places];
-    parallel::update_blocks(&mut marks, NONE, |first, marks, []| {
-        problem.mark_places(x, first..first + marks.len(), |place, chord, cosine| {
-            marks[place - first] = u8::from(chord < SHORT_CHORD * SHORT_CHORD)
-                | u8::from(cosine < SHARP_TURN) << 1;
-        });
-        0.0
+fn repair<R: Real>(problem: &Problem<R>, x: &mut [R], awkward: &[u32]) {
+    let marks = problem.mark_places(x, |squared_length, cosine| {
+        u8::from(squared_length < SHORT_CHORD * SHORT_CHORD) | u8::from(cosine < SHARP_TURN) << 1
     });
-    for v in 0..x.len() as u32 {
-        let mark = (0..2).map(|c| problem.network.place(v, c)).filter(|&p| problem.counts(p));
-        let mark = mark.fold(0, |mark, place| mark | marks[place]);
+    for (v, places) in problem.network.places().iter().enumerate() {
+        let mark = places.iter().fold(0, |mark, &place| mark | marks[place as usize]);
         if mark & 2 != 0 {
-            univariate::scan(problem, x, v);
+            univariate::scan(problem, x, v as u32);
         }
         if mark != 0 {
-            univariate::step(problem, x, v);
+            univariate::step(problem, x, v as u32);
         }
     }
     for _ in 0..AWKWARD_SWEEPS {

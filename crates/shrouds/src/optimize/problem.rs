@@ -2,26 +2,23 @@
 
 use std::ops::Range;
 
-use crate::energy::{CurveEnergy, Lanes, Term};
+use crate::energy::{CurveEnergy, LANES, Lanes};
 use crate::network::{Network, REPEATED};
-use crate::optimize::strip::{SHORT, STRIP, StepTable, Strip, WIDTH};
+use crate::optimize::real::Real;
+use crate::optimize::strip::{STRIP, StepTable, Strip};
 use crate::parallel::{self, NONE};
-use crate::surface::Surface;
-use crate::vector::{Vector, add, cross, dot, subtract};
 
 /// Largest barrier strength, and the least weight factor `1 − n_p²`.
 const BARRIER_CAP: f64 = 0.01;
-const LEAST_WEIGHT: f64 = 1e-4;
+const LEAST_WEIGHT: f32 = 1e-4;
 
 /// The function to minimise. Weights and barrier depend on the surface; they are frozen while
 /// solving and refreshed by [`Problem::freeze`]. Lengths are in units of the smallest spacing.
-pub(super) struct Problem<'a> {
-    pub(super) surface: &'a Surface,
+pub(super) struct Problem<'a, R> {
     pub(super) network: &'a Network,
-    energy: &'a dyn CurveEnergy,
-    spacing: [f64; 3],
-    table: StepTable,
-    pub(super) bounds: [f64; 2],
+    pub(super) energy: &'a dyn CurveEnergy,
+    table: StepTable<R>,
+    pub(super) bounds: [R; 2],
     /// Weight of ρ at each vertex on both of its curves, but for the distance of the slices; 0 where
     /// a neighbour is missing.
     weights: Vec<[f32; 2]>,
@@ -29,27 +26,30 @@ pub(super) struct Problem<'a> {
     barrier: f64,
 }
 
-/// A function of one position to second order.
+/// The barrier at one position.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Univariate {
+pub(super) struct Barrier {
     pub(super) slope: f64,
     pub(super) curvature: f64,
 }
 
-impl<'a> Problem<'a> {
+impl<'a, R: Real> Problem<'a, R> {
     /// The problem with weights as if every slice cut the surface at a right angle, and no barrier.
+    /// `spacing` is that of the lattice in units of the smallest one.
     pub(super) fn new(
-        surface: &'a Surface,
         network: &'a Network,
+        spacing: [f64; 3],
         energy: &'a dyn CurveEnergy,
         bounds: [f64; 2],
     ) -> Self {
-        let grid = surface.grid();
-        let spacing = grid.spacing().map(|h| h / grid.min_spacing());
-        let weights = vec![[0.0; 2]; network.vertex_count()];
-        let table = StepTable::new(spacing);
-        let mut problem =
-            Self { surface, network, energy, spacing, table, bounds, weights, barrier: 0.0 };
+        let mut problem = Self {
+            network,
+            energy,
+            table: StepTable::new(spacing),
+            bounds: bounds.map(R::from_f64),
+            weights: vec![[0.0; 2]; network.vertex_count()],
+            barrier: 0.0,
+        };
         problem.set_weights(|_| [1.0; 2]);
         problem
     }
@@ -64,59 +64,47 @@ impl<'a> Problem<'a> {
     }
 
     /// Sets the Meusnier weights, and the barrier from the energy they give, for the surface at `x`.
-    pub(super) fn freeze(&mut self, x: &[f64]) {
+    pub(super) fn freeze(&mut self, x: &[R]) {
+        self.freeze_weights(x);
+        if self.energy.barrier() != 0.0 {
+            self.set_barrier(self.curve_value(x));
+        }
+    }
+
+    /// Sets the Meusnier weights for the surface at `x`.
+    pub(super) fn freeze_weights(&mut self, x: &[R]) {
         let exponent = self.energy.meusnier_exponent();
-        if exponent != 0.0 {
-            let network = self.network;
-            if std::env::var("PATCHN").is_ok() {
-            let normals = patch_normals(self.surface, self.spacing, x);
-            self.set_weights(|v| {
-                let normal = normals[v as usize];
-                let squared = dot(normal, normal).max(f64::MIN_POSITIVE);
-                [0, 1].map(|c| {
-                    let along = normal[network.curve_axes(v, c).0];
-                    power_of_root((1.0 - along * along / squared).max(LEAST_WEIGHT), exponent)
-                })
-            });
-            } else {
-            // With slopes s of the two curves over the grid edge's ends, the normal is (−1, s₁, s₀)
-            // along the edge and the normals of curves 0 and 1.
-            let slopes = self.squared_slopes(x);
-            self.set_weights(|v| {
-                let slopes = [0, 1].map(|c| slopes[network.place(v, c)]);
-                slopes.map(|own| {
-                    let share = (1.0 + own) / (1.0 + slopes[0] + slopes[1]);
-                    power_of_root(f64::from(share).max(LEAST_WEIGHT), exponent)
-                })
-            });
-            }
+        if exponent == 0.0 {
+            return;
         }
-        let strength = self.energy.barrier();
-        if strength != 0.0 {
-            self.barrier = 0.0;
-            let mean = self.value(x) / self.vertex_count().max(1) as f64;
-            self.barrier = (strength * mean).min(BARRIER_CAP);
-        }
+        // With slopes s of the two curves over the grid edge's ends, the normal is (−1, s₁, s₀)
+        // along the edge and the normals of curves 0 and 1.
+        let (network, slopes) = (self.network, self.squared_slopes(x));
+        self.set_weights(|v| {
+            let slopes = [0, 1].map(|c| slopes[network.place(v, c)]);
+            slopes.map(|own| {
+                let share = (1.0 + own) / (1.0 + slopes[0] + slopes[1]);
+                power_of_root(share.max(LEAST_WEIGHT), exponent)
+            })
+        });
+    }
+
+    /// Sets the barrier for a surface whose curves have this energy.
+    pub(super) fn set_barrier(&mut self, curve_value: f64) {
+        let mean = curve_value / self.vertex_count().max(1) as f64;
+        self.barrier = (self.energy.barrier() * mean).min(BARRIER_CAP);
     }
 
     /// The squared slope of the curve's tangent over its grid edge at every place: how far it runs
     /// along the edge for each unit across. The tangent is that of the circle through three vertices.
-    fn squared_slopes(&self, x: &[f64]) -> Vec<f32> {
+    fn squared_slopes(&self, x: &[R]) -> Vec<f32> {
         let mut slopes = vec![0.0; self.network.vertices().len()];
         parallel::update_blocks(&mut slopes, NONE, |first, slopes, []| {
             self.strips(x, first..first + slopes.len(), |strip, places| {
-                for n in (0..places.len()).step_by(WIDTH) {
-                    let ([before, after], moves) = strip.chords_around(n + REPEATED);
-                    let values: [f32; WIDTH] = std::array::from_fn(|l| {
-                        let [a, b] = [before, after].map(|c| [c[0][l], c[1][l]]);
-                        let [wa, wb] = [a, b].map(|c| 1.0 / (c[0] * c[0] + c[1] * c[1]));
-                        let tangent = [0, 1].map(|k| wa * a[k] + wb * b[k]);
-                        let second = moves[0][l] == 0.0;
-                        let (along, across) = if second { (tangent[1], tangent[0]) } else { (tangent[0], tangent[1]) };
-                        (along * along / (across * across)) as f32
-                    });
+                for n in (0..places.len()).step_by(LANES) {
+                    let values = squared_slopes(strip, n + REPEATED);
                     let out = places.start - first + n;
-                    let count = WIDTH.min(places.len() - n);
+                    let count = LANES.min(places.len() - n);
                     slopes[out..out + count].copy_from_slice(&values[..count]);
                 }
             });
@@ -126,7 +114,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Weighs each place by a factor of its vertex, and by nothing where its curve ends.
-    fn set_weights(&mut self, factors: impl Fn(u32) -> [f64; 2] + Sync) {
+    fn set_weights(&mut self, factors: impl Fn(u32) -> [f32; 2] + Sync) {
         let network = self.network;
         parallel::fill(&mut self.weights, |v| {
             let v = v as u32;
@@ -134,59 +122,55 @@ impl<'a> Problem<'a> {
             [0, 1].map(|c| {
                 let place = network.place(v, c);
                 let within = network.steps()[place - 1..=place].iter().all(|s| s.is_linked());
-                if within { factors[c] as f32 } else { 0.0 }
+                if within { factors[c] } else { 0.0 }
             })
         });
     }
 
-    /// The weight of ρ at a place, by the distance to the next slice of its family too, so that the
-    /// sum over slices is an integral.
-    #[inline]
-    fn weight(&self, place: usize) -> f64 {
-        let step = self.network.steps()[place];
-        let v = self.network.vertices()[place];
-        f64::from(self.weights[v as usize][step.curve()]) * self.spacing[step.normal()]
+    /// The energy at `x`, barrier included.
+    pub(super) fn value(&self, x: &[R]) -> f64 {
+        self.curve_value(x) + self.barrier_value(x)
     }
 
-    /// The energy at `x`, barrier included.
-    pub(super) fn value(&self, x: &[f64]) -> f64 {
-        let places = self.network.vertices().len();
-        let curves = parallel::sum_blocks(places, |range| {
-            let mut rho = vec![0.0; range.len()];
+    /// The energy of the curves at `x`.
+    fn curve_value(&self, x: &[R]) -> f64 {
+        parallel::sum_blocks(self.network.vertices().len(), |range| {
+            let mut rho = vec![R::default(); range.len()];
             self.strips(x, range.clone(), |strip, places| {
-                for n in (0..places.len()).step_by(WIDTH) {
-                    let values = self.energy.rhos(&strip.points(n + REPEATED));
-                    for (l, place) in places.clone().skip(n).take(WIDTH).enumerate() {
-                        rho[place - range.start] = self.weight(place) * values[l];
-                    }
+                for n in (0..places.len()).step_by(LANES) {
+                    let term = R::terms(self.energy, &strip.stencils(n + REPEATED));
+                    let weights = strip.weights(n + REPEATED);
+                    let [a, b] = term.residual;
+                    let values: Lanes<R> =
+                        std::array::from_fn(|l| weights[l] * (a[l] * a[l] + b[l] * b[l]));
+                    let out = places.start - range.start + n;
+                    let count = LANES.min(places.len() - n);
+                    rho[out..out + count].copy_from_slice(&values[..count]);
                 }
             });
             self.sum_over_curves(range, &rho)
-        });
-        curves + self.barrier_value(x)
+        })
     }
 
     /// The sum of the values of a range of places, those that repeat others left out.
-    pub(super) fn sum_over_curves(&self, range: Range<usize>, values: &[f64]) -> f64 {
+    pub(super) fn sum_over_curves(&self, range: Range<usize>, values: &[R]) -> f64 {
         let first = range.start;
         let sum = |part: Range<usize>| {
-            values[part.start - first..part.end - first].iter().sum::<f64>()
+            values[part.start - first..part.end - first].iter().map(|x| x.to_f64()).sum::<f64>()
         };
         self.network.curve_parts(range).map(sum).sum()
     }
 
     /// The barrier of all vertices.
-    pub(super) fn barrier_value(&self, x: &[f64]) -> f64 {
+    pub(super) fn barrier_value(&self, x: &[R]) -> f64 {
         if self.barrier == 0.0 {
             return 0.0;
         }
         // One logarithm for several factors: their product stays far from the smallest number.
         const FACTORS: usize = 16;
+        let factor = |x: &R| 4.0 * x.to_f64() * (1.0 - x.to_f64());
         let logarithms = parallel::sum_blocks(x.len(), |range| {
-            let logarithm = |x: &[f64]| {
-                x.iter().map(|x| 4.0 * x * (1.0 - x)).product::<f64>().ln()
-            };
-            x[range].chunks(FACTORS).map(logarithm).sum()
+            x[range].chunks(FACTORS).map(|x| x.iter().map(factor).product::<f64>().ln()).sum()
         });
         -self.barrier * logarithms
     }
@@ -195,43 +179,66 @@ impl<'a> Problem<'a> {
     /// all, which only repeat others.
     pub(super) fn strips(
         &self,
-        x: &[f64],
+        x: &[R],
         range: Range<usize>,
-        mut f: impl FnMut(&Strip, Range<usize>),
+        mut f: impl FnMut(&Strip<R>, Range<usize>),
     ) {
         let total = self.network.vertices().len();
-        let end = range.end.min(total - REPEATED);
+        let end = range.end.min(total.saturating_sub(REPEATED));
         let mut strip = Strip::new();
         for start in (range.start.max(REPEATED)..end).step_by(STRIP) {
             let places = start..end.min(start + STRIP);
-            let count = places.len() + 2 * REPEATED;
-            strip.load(self.network, &self.table, x, start - REPEATED, count);
+            self.load(&mut strip, x, 0, places.start - REPEATED..places.end + REPEATED);
             f(&strip, places);
         }
     }
 
-    /// ρ and its derivatives at four places of a strip.
+    /// Loads some places to a strip from index `at` on.
     #[inline]
-    pub(super) fn terms<const LENGTH: usize>(&self, strip: &Strip<LENGTH>, n: usize) -> Term<Lanes> {
-        self.energy.terms(&strip.stencils(n))
-    }
-
-    /// Doubled weights of all places in a range.
-    pub(super) fn doubled_weights(&self, range: Range<usize>, out: &mut [f64]) {
-        for (place, weight) in range.zip(out) {
-            *weight = 2.0 * self.weight(place);
+    fn load<const LENGTH: usize>(
+        &self,
+        strip: &mut Strip<R, LENGTH>,
+        x: &[R],
+        at: usize,
+        places: Range<usize>,
+    ) {
+        let (x, weights) = (&x[..self.weights.len()], &self.weights[..]);
+        let steps = &self.network.steps()[places.clone()];
+        for (n, (&v, &step)) in self.network.vertices()[places].iter().zip(steps).enumerate() {
+            let weight = weights[v as usize][step.curve()];
+            strip.set(at + n, self.table.row(step), x[v as usize], weight);
         }
     }
 
-    /// The barrier at one position.
-    fn barrier(&self, x: f64) -> f64 {
-        if self.barrier == 0.0 { 0.0 } else { -self.barrier * (4.0 * x * (1.0 - x)).ln() }
+    /// A mark for every place: `mark` of the smaller squared length of the chords before and after it
+    /// and the cosine between them; 0 where it has no weight.
+    pub(super) fn mark_places(&self, x: &[R], mark: impl Fn(f32, f32) -> u8 + Sync) -> Vec<u8> {
+        let mut marks = vec![0; self.network.vertices().len()];
+        parallel::update_blocks(&mut marks, NONE, |first, marks, []| {
+            self.strips(x, first..first + marks.len(), |strip, places| {
+                for n in (0..places.len()).step_by(LANES) {
+                    let (lengths, cosines) = turnings(strip, n + REPEATED);
+                    let weights = strip.weights(n + REPEATED);
+                    let values: Lanes<u8> = std::array::from_fn(|l| {
+                        let counts = weights[l] > R::default();
+                        if counts { mark(lengths[l], cosines[l]) } else { 0 }
+                    });
+                    let out = places.start - first + n;
+                    let count = LANES.min(places.len() - n);
+                    marks[out..out + count].copy_from_slice(&values[..count]);
+                }
+            });
+            0.0
+        });
+        marks
     }
 
     /// Slope and curvature of the barrier at one position.
-    pub(super) fn barrier_slope(&self, x: f64) -> Univariate {
+    #[inline]
+    pub(super) fn barrier_slope(&self, x: R) -> Barrier {
+        let x = x.to_f64();
         let (low, high) = (1.0 / x, 1.0 / (1.0 - x));
-        Univariate {
+        Barrier {
             slope: self.barrier * (high - low),
             curvature: self.barrier * (low * low + high * high),
         }
@@ -242,95 +249,108 @@ impl<'a> Problem<'a> {
         self.barrier > 0.0
     }
 
-    /// The places around vertex `v` on its curve `c`, two to either side.
-    fn surroundings(&self, x: &[f64], v: u32, c: usize) -> (Strip<SHORT>, [f64; 3]) {
-        let place = self.network.place(v, c);
+    /// The energy as a function of the position of vertex `v` alone.
+    pub(super) fn around(&self, x: &[R], v: u32) -> Around<'_, R> {
         let mut strip = Strip::new();
-        strip.load(self.network, &self.table, x, place - 2, 5);
-        (strip, [place - 1, place, place + 1].map(|place| self.weight(place)))
+        for (c, at) in WINDOWS.into_iter().enumerate() {
+            let place = self.network.place(v, c);
+            self.load(&mut strip, x, at, place - 2..place + 3);
+        }
+        Around { energy: self.energy, barrier: self.barrier, strip }
     }
+}
 
-    /// Slope and curvature of the energy in the position of vertex `v`.
-    pub(super) fn slope_around(&self, x: &[f64], v: u32) -> Univariate {
-        let mut sum = self.barrier_slope(x[v as usize]);
-        for c in 0..2 {
-            let (strip, weights) = self.surroundings(x, v, c);
-            let terms = self.terms(&strip, 1);
-            for (lane, weight) in weights.into_iter().enumerate().filter(|(_, w)| *w > 0.0) {
-                for (residual, slopes) in terms.residual.iter().zip(&terms.slope) {
-                    let slope = slopes[2 - lane][lane];
-                    sum.slope += 2.0 * weight * residual[lane] * slope;
+/// Where the places two before a vertex on its curves 0 and 1 stand in the strip around it. The
+/// three terms of each that depend on the vertex are the first and last lanes from index 1 on.
+const WINDOWS: [usize; 2] = [0, LANES - 3];
+
+/// The part of the energy that depends on one vertex.
+pub(super) struct Around<'a, R> {
+    energy: &'a dyn CurveEnergy,
+    barrier: f64,
+    strip: Strip<R, { LANES + 4 }>,
+}
+
+/// A function of one position to second order.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Univariate {
+    pub(super) value: f64,
+    pub(super) slope: f64,
+    pub(super) curvature: f64,
+}
+
+impl<R: Real> Around<'_, R> {
+    /// Value, slope and Gauss–Newton curvature with the vertex at `x`.
+    pub(super) fn at(&mut self, x: R) -> Univariate {
+        WINDOWS.iter().for_each(|at| self.strip.move_to(at + 2, x));
+        let term = R::terms(self.energy, &self.strip.stencils(1));
+        let weights = self.strip.weights(1);
+        let mut sum = Univariate::default();
+        for (at, n) in WINDOWS.into_iter().flat_map(|at| [(at, 0), (at, 1), (at, 2)]) {
+            let lane = at + n;
+            let weight = weights[lane].to_f64();
+            if weight > 0.0 {
+                for (residual, slopes) in term.residual.iter().zip(&term.slope) {
+                    // The vertex is the next of the place before it, and so on.
+                    let (residual, slope) = (residual[lane].to_f64(), slopes[2 - n][lane].to_f64());
+                    sum.value += weight * residual * residual;
+                    sum.slope += 2.0 * weight * residual * slope;
                     sum.curvature += 2.0 * weight * slope * slope;
                 }
             }
         }
+        if self.barrier > 0.0 {
+            let x = x.to_f64();
+            let (low, high) = (1.0 / x, 1.0 / (1.0 - x));
+            sum.value -= self.barrier * (4.0 * x * (1.0 - x)).ln();
+            sum.slope += self.barrier * (high - low);
+            sum.curvature += self.barrier * (low * low + high * high);
+        }
         sum
     }
+}
 
-    /// The part of the energy that depends on the position of vertex `v`.
-    pub(super) fn value_around(&self, x: &[f64], v: u32) -> f64 {
-        let on_curve = |c: usize| -> f64 {
-            let (strip, weights) = self.surroundings(x, v, c);
-            let values = self.energy.rhos(&strip.points(1));
-            let weighted = |(l, w): (usize, f64)| if w > 0.0 { w * values[l] } else { 0.0 };
-            weights.into_iter().enumerate().map(weighted).sum()
-        };
-        on_curve(0) + on_curve(1) + self.barrier(x[v as usize])
-    }
+/// See [`Problem::mark_places`].
+#[inline(always)]
+fn turnings<R: Real>(strip: &Strip<R>, n: usize) -> (Lanes<f32>, Lanes<f32>) {
+    let (before, after) = (single(strip.chords(n - 1)), single(strip.chords(n)));
+    let product = |a: &[Lanes<f32>; 2], b: &[Lanes<f32>; 2]| -> Lanes<f32> {
+        std::array::from_fn(|l| a[0][l] * b[0][l] + a[1][l] * b[1][l])
+    };
+    let (l0, l1) = (product(&before, &before), product(&after, &after));
+    let turn = product(&before, &after);
+    let cosines = std::array::from_fn(|l| turn[l] / (l0[l] * l1[l]).sqrt());
+    (std::array::from_fn(|l| l0[l].min(l1[l])), cosines)
+}
 
-    /// For every place of a range whether `bad` holds for the squared lengths of the chords before
-    /// and after it and the cosine between them.
-    pub(super) fn mark_places(
-        &self,
-        x: &[f64],
-        range: Range<usize>,
-        mut mark: impl FnMut(usize, f64, f64),
-    ) {
-        self.strips(x, range, |strip, places| {
-            for n in (0..places.len()).step_by(WIDTH) {
-                let [before, _, after] = strip.points(n + REPEATED);
-                for (l, place) in places.clone().skip(n).take(WIDTH).enumerate() {
-                    let [a, b] = [before, after].map(|p| [p[0][l], p[1][l]]);
-                    let (l0, l1) = (a[0] * a[0] + a[1] * a[1], b[0] * b[0] + b[1] * b[1]);
-                    let cosine = -(a[0] * b[0] + a[1] * b[1]) / (l0 * l1).sqrt();
-                    mark(place, l0.min(l1), cosine);
-                }
-            }
-        });
-    }
+#[inline(always)]
+fn single<R: Real>(vectors: [Lanes<R>; 2]) -> [Lanes<f32>; 2] {
+    vectors.map(|v| v.map(|x| x.to_f64() as f32))
+}
 
-    /// Whether the place counts in the energy.
-    pub(super) fn counts(&self, place: usize) -> bool {
-        self.weight(place) > 0.0
-    }
+/// See [`Problem::squared_slopes`].
+#[inline(always)]
+fn squared_slopes<R: Real>(strip: &Strip<R>, n: usize) -> Lanes<f32> {
+    let (before, after) = (single(strip.chords(n - 1)), single(strip.chords(n)));
+    let moves = single(strip.moves(n));
+    std::array::from_fn(|l| {
+        let [a, b] = [before, after].map(|c| [c[0][l], c[1][l]]);
+        // Both tangents at a vertex are weighted by the inverse of their chords' squared lengths;
+        // only the ratio matters, so by the other's.
+        let [wb, wa] = [a, b].map(|c| c[0] * c[0] + c[1] * c[1]);
+        let tangent = [0, 1].map(|k| wa * a[k] + wb * b[k]);
+        let along = tangent[0] * moves[0][l] + tangent[1] * moves[1][l];
+        let across = tangent[0] * moves[1][l] + tangent[1] * moves[0][l];
+        (along * along) / (across * across)
+    })
 }
 
 /// The square root of `x` to a power.
-fn power_of_root(x: f64, exponent: f64) -> f64 {
+fn power_of_root(x: f32, exponent: f64) -> f32 {
     let root = x.sqrt();
-    if exponent.fract() == 0.0 { root.powi(exponent as i32) } else { root.powf(exponent) }
-}
-
-/// Normal of the surface at every vertex, of any length: the sum of the area vectors of its patches.
-fn patch_normals(surface: &Surface, spacing: [f64; 3], x: &[f64]) -> Vec<Vector> {
-    let crossings: Vec<_> = surface.crossings().collect();
-    let position = |v: u32| {
-        let crossing = crossings[v as usize];
-        let mut point = crossing.low().map(|i| i as f64);
-        point[crossing.axis()] += x[v as usize];
-        std::array::from_fn(|k| point[k] * spacing[k])
-    };
-    let mut normals = vec![[0.0; 3]; x.len()];
-    let mut add_patch = |patch: &[u32], _: &_| {
-        let origin = position(patch[0]);
-        let fan = patch[1..].windows(2).fold([0.0; 3], |sum, pair| {
-            let [a, b] = [pair[0], pair[1]].map(|v| subtract(position(v), origin));
-            add(sum, cross(a, b))
-        });
-        for &v in patch {
-            normals[v as usize] = add(normals[v as usize], fan);
-        }
-    };
-    (0..surface.layer_count()).for_each(|k| surface.for_each_patch(k, &mut add_patch));
-    normals
+    if exponent == 5.0 {
+        x * x * root
+    } else {
+        root.powf(exponent as f32)
+    }
 }

@@ -2,6 +2,7 @@
 
 use crate::optimize::model::Model;
 use crate::optimize::problem::Problem;
+use crate::optimize::real::Real;
 
 /// How an optimisation ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,12 +80,13 @@ pub(super) struct Stationarity {
 }
 
 impl Stationarity {
-    pub(super) fn of(model: &Model, x: &[f64], [low, high]: [f64; 2]) -> Self {
+    pub(super) fn of<R: Real>(model: &Model<R>, x: &[R], bounds: [R; 2]) -> Self {
         let mut sum = Self { count: x.len(), ..Self::default() };
         for (v, &x) in x.iter().enumerate() {
             let gradient = model.gradient(v);
+            let [low, high] = bounds;
             let held = (x <= low && gradient > 0.0) || (x >= high && gradient < 0.0);
-            let step = model.lone_step(v, x, [low, high]);
+            let step = model.lone_step(v, x, bounds);
             sum.gradient_squared += if held { 0.0 } else { gradient * gradient };
             sum.step_squared += step * step;
             sum.step_max = sum.step_max.max(step.abs());
@@ -98,8 +100,13 @@ impl Stationarity {
 }
 
 impl Report {
-    pub(super) fn new(problem: &Problem, rounds: Vec<Round>, first: &[f64], x: &[f64]) -> Self {
-        let mut model = Model::new(problem);
+    pub(super) fn new<R: Real>(
+        problem: &Problem<R>,
+        rounds: Vec<Round>,
+        first: &[R],
+        x: &[R],
+    ) -> Self {
+        let mut model = Model::new(problem.network);
         model.linearise(problem, x);
         let stationarity = Stationarity::of(&model, x, problem.bounds);
         let [low, high] = problem.bounds;

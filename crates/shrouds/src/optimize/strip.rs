@@ -1,114 +1,122 @@
 //! A piece of the curves, laid out for arithmetic on several places at once.
 
-use crate::energy::{Lanes, Stencil};
-use crate::network::{Network, Step};
+use crate::energy::{LANES, Lanes, Stencil};
+use crate::network::{REPEATED, Step};
+use crate::optimize::real::Real;
 
 /// Places per strip; with its arrays it stays in the first-level cache.
 pub(super) const STRIP: usize = 256;
-/// The strip, two places before and after it, and what the last lanes read beyond.
-pub(super) const LONG: usize = STRIP + 12;
-/// One place, two before and after it, and what the last lanes read beyond.
-pub(super) const SHORT: usize = 8;
-/// Numbers per [`Lanes`].
-pub(super) const WIDTH: usize = 4;
+/// Places that a strip holds: its own, two before and after them, and what the last lanes read beyond.
+pub(super) const LONG: usize = STRIP + 2 * REPEATED + LANES;
 
-/// For every step: how the place moves along both axes of its plane as its position grows, and where
-/// the next place's grid edge starts, seen from this one's. In units of the smallest spacing.
-pub(super) struct StepTable(Vec<[f64; 4]>);
+/// What a place contributes to a strip, for every step.
+pub(super) struct StepTable<R>(Vec<StepRow<R>>);
 
-impl StepTable {
+/// Lengths in units of the smallest spacing, along the first and second axis of the plane.
+#[derive(Clone, Copy)]
+pub(super) struct StepRow<R> {
+    /// How the place moves as its position grows.
+    moves: [R; 2],
+    /// Where the next place's grid edge starts, seen from this one's.
+    shift: [R; 2],
+    /// The distance to the next slice.
+    distance: R,
+}
+
+impl<R: Real> StepTable<R> {
     pub(super) fn new(spacing: [f64; 3]) -> Self {
         let row = |code: u8| {
             let step = Step::from_code(code);
-            let (u, v) = ((step.normal() + 1) % 3, (step.normal() + 2) % 3);
-            let second = f64::from(u8::from(step.runs_second()));
-            let [a, b] = step.shift().map(f64::from);
-            [(1.0 - second) * spacing[u], second * spacing[v], a * spacing[u], b * spacing[v]]
+            let axes = [(step.normal() + 1) % 3, (step.normal() + 2) % 3];
+            let own = usize::from(step.runs_second());
+            let along = |k: usize| if k == own { spacing[axes[k]] } else { 0.0 };
+            let shift = |k: usize| f64::from(step.shift()[k]) * spacing[axes[k]];
+            StepRow {
+                moves: [0, 1].map(|k| R::from_f64(along(k))),
+                shift: [0, 1].map(|k| R::from_f64(shift(k))),
+                distance: R::from_f64(spacing[step.normal() % 3]),
+            }
         };
         Self((0..=u8::MAX).map(row).collect())
     }
 
     #[inline(always)]
-    fn row(&self, step: Step) -> [f64; 4] {
+    pub(super) fn row(&self, step: Step) -> StepRow<R> {
         self.0[usize::from(step.code())]
     }
 }
 
 /// Some successive places. Index `REPEATED` is the first place of the strip itself.
-pub(super) struct Strip<const LENGTH: usize = LONG> {
+pub(super) struct Strip<R, const LENGTH: usize = LONG> {
     /// How far every place has moved from the start of its grid edge, along both axes of the plane.
-    offset: [[f64; LENGTH]; 2],
-    moves: [[f64; LENGTH]; 2],
-    shift: [[f64; LENGTH]; 2],
+    offset: [[R; LENGTH]; 2],
+    moves: [[R; LENGTH]; 2],
+    shift: [[R; LENGTH]; 2],
+    /// Weight of ρ.
+    weight: [R; LENGTH],
 }
 
-impl<const LENGTH: usize> Strip<LENGTH> {
+impl<R: Real, const LENGTH: usize> Strip<R, LENGTH> {
     pub(super) fn new() -> Self {
-        Self {
-            offset: [[0.0; LENGTH]; 2],
-            moves: [[0.0; LENGTH]; 2],
-            shift: [[0.0; LENGTH]; 2],
-        }
+        let zeros = [R::default(); LENGTH];
+        Self { offset: [zeros; 2], moves: [zeros; 2], shift: [zeros; 2], weight: zeros }
     }
 
-    /// Loads the places from `first` on, `count` of them, at the positions `x`.
-    pub(super) fn load(
-        &mut self,
-        network: &Network,
-        table: &StepTable,
-        x: &[f64],
-        first: usize,
-        count: usize,
-    ) {
-        let vertices = &network.vertices()[first..first + count];
-        let steps = &network.steps()[first..first + count];
-        for (n, (&v, &step)) in vertices.iter().zip(steps).enumerate() {
-            self.set(n, table, step, x[v as usize]);
-        }
-    }
-
-    /// Sets the place at index `n`.
+    /// Sets the place at index `n`; its weight is without the distance of the slices.
     #[inline(always)]
-    pub(super) fn set(&mut self, n: usize, table: &StepTable, step: Step, x: f64) {
-        let [mu, mv, su, sv] = table.row(step);
-        (self.offset[0][n], self.offset[1][n]) = (x * mu, x * mv);
-        (self.moves[0][n], self.moves[1][n]) = (mu, mv);
-        (self.shift[0][n], self.shift[1][n]) = (su, sv);
+    pub(super) fn set(&mut self, n: usize, row: StepRow<R>, x: R, weight: f32) {
+        for k in 0..2 {
+            self.moves[k][n] = row.moves[k];
+            self.shift[k][n] = row.shift[k];
+        }
+        self.weight[n] = R::from_f64(f64::from(weight)) * row.distance;
+        self.move_to(n, x);
+    }
+
+    /// Moves the place at index `n`.
+    #[inline(always)]
+    pub(super) fn move_to(&mut self, n: usize, x: R) {
+        for k in 0..2 {
+            self.offset[k][n] = x * self.moves[k][n];
+        }
     }
 
     /// The vectors from the places at `n` and the next ones to their successors.
     #[inline(always)]
-    pub(super) fn chords(&self, n: usize) -> [Lanes; 2] {
+    pub(super) fn chords(&self, n: usize) -> [Lanes<R>; 2] {
         [0, 1].map(|k| {
-            let (offset, shift) = (&self.offset[k][n..n + WIDTH + 1], &self.shift[k][n..n + WIDTH]);
+            let (offset, shift) = (&self.offset[k][n..n + LANES + 1], &self.shift[k][n..n + LANES]);
             std::array::from_fn(|l| shift[l] + offset[l + 1] - offset[l])
         })
     }
 
-    /// The chords before and after the places at `n` and the next ones, and how these move.
+    /// How the places at `n` and the next ones move.
     #[inline(always)]
-    pub(super) fn chords_around(&self, n: usize) -> ([[Lanes; 2]; 2], [Lanes; 2]) {
-        ([self.chords(n - 1), self.chords(n)], [0, 1].map(|k| lanes(&self.moves[k], n)))
+    pub(super) fn moves(&self, n: usize) -> [Lanes<R>; 2] {
+        [0, 1].map(|k| lanes(&self.moves[k], n))
     }
 
-    /// The places at `n` and the next ones with their neighbours, each seen from itself.
+    /// The places at `n` and the next ones with their neighbours, each seen from itself, and how they
+    /// move.
     #[inline(always)]
-    pub(super) fn points(&self, n: usize) -> [[Lanes; 2]; 3] {
+    pub(super) fn stencils(&self, n: usize) -> Stencil<Lanes<R>> {
         let before = self.chords(n - 1).map(|chord| chord.map(|x| -x));
-        [before, [[0.0; WIDTH]; 2], self.chords(n)]
+        Stencil {
+            points: [before, [[R::default(); LANES]; 2], self.chords(n)],
+            moves: [self.moves(n - 1), self.moves(n), self.moves(n + 1)],
+        }
     }
 
-    /// The same with the ways the places move.
+    /// The weights of the places at `n` and the next ones.
     #[inline(always)]
-    pub(super) fn stencils(&self, n: usize) -> Stencil<Lanes> {
-        let moves = |n: usize| [0, 1].map(|k| lanes(&self.moves[k], n));
-        Stencil { points: self.points(n), moves: [moves(n - 1), moves(n), moves(n + 1)] }
+    pub(super) fn weights(&self, n: usize) -> Lanes<R> {
+        lanes(&self.weight, n)
     }
 }
 
 /// The numbers at `n` and the next ones.
 #[inline(always)]
-pub(super) fn lanes(values: &[f64], n: usize) -> Lanes {
-    let values = &values[n..n + WIDTH];
+fn lanes<R: Real>(values: &[R], n: usize) -> Lanes<R> {
+    let values = &values[n..n + LANES];
     std::array::from_fn(|l| values[l])
 }

@@ -11,7 +11,8 @@ use crate::surface::Surface;
 /// Weights and barrier, if the energy has any, are refreshed before the second and the third sweep
 /// and then stay frozen, as the paper's energies have none.
 pub(super) fn solve(
-    problem: &mut Problem,
+    problem: &mut Problem<f64>,
+    surface: &Surface,
     x: &mut [f64],
     settings: &Settings,
     observer: &mut Observer,
@@ -29,7 +30,7 @@ pub(super) fn solve(
             minimise(problem, x, v as u32);
         }
         let energy = problem.value(x);
-        let change = relative_change(problem.surface, &old, x);
+        let change = relative_change(surface, &old, x);
         let progress = Progress { iteration: sweep + 1, energy, change, tolerance };
         let stopped = observer(progress).is_break();
         let last_refreshed = sweep + 1 >= REFRESHED_SWEEPS || !problem.needs_freezing();

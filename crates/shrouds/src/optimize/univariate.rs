@@ -1,6 +1,7 @@
 //! Minimising over the position of one vertex.
 
-use crate::optimize::problem::Problem;
+use crate::optimize::problem::{Around, Problem};
+use crate::optimize::real::Real;
 
 /// How much shorter the next attempt is when a step raises the energy, and how often.
 const SHRINK: f64 = 0.35;
@@ -11,27 +12,30 @@ pub(super) const ROUNDING: f64 = 1e-14;
 
 /// Moves vertex `v` by one Newton step along its grid edge, shortened until the energy falls.
 /// Returns how far it moved: 0 when no attempt helped.
-pub(super) fn step(problem: &Problem, x: &mut [f64], v: u32) -> f64 {
-    let here = problem.slope_around(x, v);
-    let value = problem.value_around(x, v);
+pub(super) fn step<R: Real>(problem: &Problem<R>, x: &mut [R], v: u32) -> f64 {
     let old = x[v as usize];
-    let [low, high] = problem.bounds;
+    let new = stepped(&mut problem.around(x, v), old, problem.bounds);
+    x[v as usize] = new;
+    new.to_f64() - old.to_f64()
+}
+
+fn stepped<R: Real>(around: &mut Around<R>, old: R, bounds: [R; 2]) -> R {
+    let here = around.at(old);
     let mut length = -here.slope / here.curvature.max(f64::MIN_POSITIVE);
+    let [low, high] = bounds.map(R::to_f64);
     for _ in 0..ATTEMPTS {
-        let new = (old + length).clamp(low, high);
-        x[v as usize] = new;
-        if new != old && problem.value_around(x, v) < value + ROUNDING * value.abs() {
-            return new - old;
+        let new = R::from_f64((old.to_f64() + length).clamp(low, high));
+        if new != old && around.at(new).value < here.value + ROUNDING * here.value.abs() {
+            return new;
         }
-        length = (new - old) * SHRINK;
+        length = (new.to_f64() - old.to_f64()) * SHRINK;
     }
-    x[v as usize] = old;
-    0.0
+    old
 }
 
 /// Moves vertex `v` to the least energy along its whole grid edge: the best of a coarse scan, then
 /// Newton steps.
-pub(super) fn minimise(problem: &Problem, x: &mut [f64], v: u32) {
+pub(super) fn minimise<R: Real>(problem: &Problem<R>, x: &mut [R], v: u32) {
     const MOST_STEPS: usize = 50;
     const SMALLEST_STEP: f64 = 1e-12;
     scan(problem, x, v);
@@ -44,14 +48,14 @@ pub(super) fn minimise(problem: &Problem, x: &mut [f64], v: u32) {
 
 /// Moves vertex `v` to the best of a few places spread over its grid edge, if one is better than
 /// where it is: the energy may have several minima along the edge.
-pub(super) fn scan(problem: &Problem, x: &mut [f64], v: u32) {
+pub(super) fn scan<R: Real>(problem: &Problem<R>, x: &mut [R], v: u32) {
     const PLACES: usize = 9;
-    let [low, high] = problem.bounds;
-    let mut best = (problem.value_around(x, v), x[v as usize]);
+    let [low, high] = problem.bounds.map(R::to_f64);
+    let mut around = problem.around(x, v);
+    let mut best = (around.at(x[v as usize]).value, x[v as usize]);
     for n in 0..PLACES {
-        let place = low + (high - low) * (n as f64 + 0.5) / PLACES as f64;
-        x[v as usize] = place;
-        let value = problem.value_around(x, v);
+        let place = R::from_f64(low + (high - low) * (n as f64 + 0.5) / PLACES as f64);
+        let value = around.at(place).value;
         if value < best.0 {
             best = (value, place);
         }

@@ -111,6 +111,11 @@ impl Surface {
         self.layers[layer].0..self.layers[layer + 1].0
     }
 
+    /// The lattice points the surface separates, those of a closed border included.
+    pub(crate) fn volume(&self) -> &Occupancy {
+        &self.volume
+    }
+
     fn first_vertex(&self, row: usize) -> u32 {
         self.rows[row][0]
     }

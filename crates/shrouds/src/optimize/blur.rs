@@ -1,0 +1,186 @@
+//! The occupancy blurred by one voxel, near the surface only.
+
+use std::sync::LazyLock;
+
+use crate::surface::Surface;
+use crate::volume::{Border, Occupancy};
+
+/// The value on the surface: half the sum of all weights of the filter, 16³.
+pub(super) const HALF: i32 = 2048;
+
+/// Weights of the binomial filter along one axis: a variance of 1, in integers.
+const WEIGHTS: [u16; 5] = [1, 4, 6, 4, 1];
+const REACH: usize = 2;
+/// Lattice points per word.
+const WORD: usize = 64;
+
+/// For twelve successive lattice points the filtered values of the middle eight, a byte each.
+static FILTERED: LazyLock<Vec<[u8; 8]>> = LazyLock::new(|| {
+    let filter = |bits: usize| -> u16 { (0..5).map(|n| WEIGHTS[n] * (bits >> n & 1) as u16).sum() };
+    (0..1 << 12).map(|bits| std::array::from_fn(|n| filter(bits >> n) as u8)).collect()
+});
+
+/// Blurred values of the lattice points of a word.
+type Values = [u16; WORD];
+
+/// Blurred slices, one after another.
+///
+/// The blur runs along x, then y, then z, on words of 64 lattice points that hold an end of a crossed
+/// grid edge; values of others mean nothing. Beyond a closed border all is outside; beyond an open
+/// one the last points are repeated.
+pub(super) struct Blur<'a> {
+    volume: &'a Occupancy,
+    border: Border,
+    words: usize,
+    /// The last slices blurred along x and y: that of slice `k` is number `k` modulo their count.
+    flat: Vec<Flat>,
+}
+
+/// A slice blurred along x and y, as far as it was needed.
+struct Flat {
+    slice: usize,
+    known: Vec<bool>,
+    values: Vec<Values>,
+}
+
+impl<'a> Blur<'a> {
+    pub(super) fn new(surface: &'a Surface) -> Self {
+        let volume = surface.volume();
+        let [nx, ny, _] = volume.grid().dims();
+        let words = nx.div_ceil(WORD);
+        let flat = || Flat {
+            slice: usize::MAX,
+            known: vec![false; words * ny],
+            values: vec![[0; WORD]; words * ny],
+        };
+        let count = 2 * REACH + 1;
+        Self {
+            volume,
+            border: surface.border(),
+            words,
+            flat: (0..count).map(|_| flat()).collect(),
+        }
+    }
+
+    /// A slice to blur into.
+    pub(super) fn slice(&self) -> Vec<Values> {
+        vec![[0; WORD]; self.words * self.volume.grid().dims()[1]]
+    }
+
+    /// The blurred value of point `i` of row `j` of a slice.
+    #[inline(always)]
+    pub(super) fn value(&self, slice: &[Values], i: usize, j: usize) -> i32 {
+        i32::from(slice[j * self.words + i / WORD][i % WORD])
+    }
+
+    /// Blurs slice `k`.
+    pub(super) fn fill(&mut self, k: usize, slice: &mut [Values]) {
+        let [_, ny, nz] = self.volume.grid().dims();
+        for j in 0..ny {
+            for w in 0..self.words {
+                if !self.is_near(j, k, w) {
+                    continue;
+                }
+                let near = neighbours(k, nz, self.border);
+                for k in near.into_iter().flatten() {
+                    self.flatten(j, k, w);
+                }
+                let values = near.map(|k| k.map(|k| &self.flat(k).values[j * self.words + w]));
+                weighted(&values, &mut slice[j * self.words + w]);
+            }
+        }
+    }
+
+    fn flat(&self, k: usize) -> &Flat {
+        &self.flat[k % self.flat.len()]
+    }
+
+    /// Whether word `w` of row `(j, k)` holds an end of a crossed grid edge.
+    fn is_near(&self, j: usize, k: usize, w: usize) -> bool {
+        let [_, ny, nz] = self.volume.grid().dims();
+        let rows = [
+            (j.saturating_sub(1), k),
+            ((j + 1).min(ny - 1), k),
+            (j, k.saturating_sub(1)),
+            (j, (k + 1).min(nz - 1)),
+        ];
+        let row = self.volume.row(j, k);
+        let here = row[w];
+        // A crossing along x reaches over a word's border.
+        let mixed = here != 0 && here != u64::MAX;
+        let beside = w + 1 < row.len() && (here >> 63) != (row[w + 1] & 1)
+            || w > 0 && (here & 1) != (row[w - 1] >> 63);
+        mixed || beside || rows.iter().any(|&(j, k)| self.volume.row(j, k)[w] != here)
+    }
+
+    /// Blurs word `w` of row `(j, k)` along x and y, if that was not done yet.
+    fn flatten(&mut self, j: usize, k: usize, w: usize) {
+        let count = self.flat.len();
+        let index = j * self.words + w;
+        let flat = &mut self.flat[k % count];
+        if flat.slice != k {
+            flat.slice = k;
+            flat.known.fill(false);
+        }
+        if std::mem::replace(&mut flat.known[index], true) {
+            return;
+        }
+        let [nx, ny, _] = self.volume.grid().dims();
+        let rows = neighbours(j, ny, self.border).map(|j| {
+            j.map(|j| along_row(self.volume.row(j, k), w, nx, self.border))
+        });
+        weighted(&rows.each_ref().map(Option::as_ref), &mut flat.values[index]);
+    }
+}
+
+/// The indices around `at` in a row of `count`: none beyond a closed border, the last ones again
+/// beyond an open one.
+fn neighbours(at: usize, count: usize, border: Border) -> [Option<usize>; 5] {
+    std::array::from_fn(|n| {
+        let index = (at + n).checked_sub(REACH).filter(|&index| index < count);
+        match border {
+            Border::Closed => index,
+            Border::Open => Some((at + n).saturating_sub(REACH).min(count - 1)),
+        }
+    })
+}
+
+/// The weighted sum of five words of values, absent ones being 0.
+#[inline(always)]
+fn weighted(values: &[Option<&Values>; 5], sum: &mut Values) {
+    const NOTHING: Values = [0; WORD];
+    let [a, b, c, d, e] = values.map(|values| values.unwrap_or(&NOTHING));
+    for n in 0..WORD {
+        sum[n] = (a[n] + e[n]) + 4 * (b[n] + d[n]) + 6 * c[n];
+    }
+}
+
+/// Word `w` of a row of `nx` lattice points, blurred along the row.
+#[inline(always)]
+fn along_row(row: &[u64], w: usize, nx: usize, border: Border) -> Values {
+    let before = if w > 0 { row[w - 1] >> 62 } else { repeated(row[0] & 1, border) & 3 };
+    let mut here = row[w];
+    let mut after = row.get(w + 1).copied().unwrap_or_default();
+    // Bits past the end of the row are 0, as a closed border has it.
+    let last = repeated(row[(nx - 1) / WORD] >> ((nx - 1) % WORD) & 1, border);
+    let past = |w: usize| match nx.saturating_sub(WORD * w) {
+        points if points >= WORD => 0,
+        points => u64::MAX << points,
+    };
+    here |= last & past(w);
+    after |= last & past(w + 1);
+    let bits = u128::from(before) | u128::from(here) << 2 | u128::from(after) << 66;
+    let mut values = [0; WORD];
+    for (n, values) in values.chunks_exact_mut(8).enumerate() {
+        let filtered = FILTERED[(bits >> (8 * n)) as usize & 0xFFF];
+        for (value, byte) in values.iter_mut().zip(filtered) {
+            *value = u16::from(byte);
+        }
+    }
+    values
+}
+
+/// All bits like a border point's on an open border; none on a closed one.
+fn repeated(bit: u64, border: Border) -> u64 {
+    if border == Border::Open && bit == 1 { u64::MAX } else { 0 }
+}
