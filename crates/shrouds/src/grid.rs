@@ -3,6 +3,8 @@
 //! A voxel *is* its lattice point: index `(i, j, k)` means the centre of that voxel, and there is no
 //! half-voxel shift anywhere. This module is the only owner of coordinates.
 
+use std::ops::Range;
+
 use crate::error::Error;
 
 /// Dimensions, spacing and world frame of a lattice.
@@ -141,6 +143,17 @@ impl Grid {
             return Err(Error::Dimensions { dims, limit: Self::MAX_DIM });
         }
         Ok(Self { dims, spacing: self.spacing, affine })
+    }
+
+    /// The lattice points of some rows of some slices, whole along x, in their places in the world.
+    pub(crate) fn crop(&self, rows: Range<usize>, slices: Range<usize>) -> Self {
+        let mut affine = self.affine;
+        let corner = self.point([0.0, rows.start as f64, slices.start as f64]);
+        for (row, x) in affine.iter_mut().zip(corner) {
+            row[3] = x;
+        }
+        let dims = [self.dims[0], rows.len(), slices.len()];
+        Self { dims, spacing: self.spacing, affine }
     }
 
     fn determinant(&self) -> f64 {

@@ -114,11 +114,11 @@ impl<F: CurveFormula> CurveEnergy for F {
     }
 
     fn terms_single(&self, stencils: &Stencil<Lanes<f32>>) -> Term<Lanes<f32>> {
-        self.differentiate(stencils.map(f32x8::from)).map(f32x8::to_array)
+        self.differentiate(stencils.map(|lanes| f32x8::new(lanes))).map(|wide| wide.to_array())
     }
 
     fn terms_double(&self, stencils: &Stencil<Lanes<f64>>) -> Term<Lanes<f64>> {
-        self.differentiate(stencils.map(f64x8::from)).map(f64x8::to_array)
+        self.differentiate(stencils.map(|lanes| f64x8::new(lanes))).map(|wide| wide.to_array())
     }
 
     fn meusnier_exponent(&self) -> f64 {
@@ -133,15 +133,18 @@ impl<F: CurveFormula> CurveEnergy for F {
 impl<T: Copy> Stencil<T> {
     #[inline(always)]
     fn map<U>(&self, f: impl Fn(T) -> U) -> Stencil<U> {
-        let all = |vectors: [Point2<T>; 3]| vectors.map(|v| v.map(&f));
-        Stencil { points: all(self.points), moves: all(self.moves) }
+        let two = |[u, v]: Point2<T>| [f(u), f(v)];
+        let three = |[a, b, c]: [Point2<T>; 3]| [two(a), two(b), two(c)];
+        Stencil { points: three(self.points), moves: three(self.moves) }
     }
 }
 
 impl<T: Copy> Term<T> {
     #[inline(always)]
     fn map<U>(&self, f: impl Fn(T) -> U) -> Term<U> {
-        Term { residual: self.residual.map(&f), slope: self.slope.map(|slopes| slopes.map(&f)) }
+        let three = |[a, b, c]: [T; 3]| [f(a), f(b), f(c)];
+        let ([p, q], [a, b]) = (self.residual, self.slope);
+        Term { residual: [f(p), f(q)], slope: [three(a), three(b)] }
     }
 }
 

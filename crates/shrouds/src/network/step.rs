@@ -28,8 +28,7 @@ impl Step {
         Self(u8::from(runs_second) | u << 1 | v << 3 | LINKED | (normal as u8) << 6)
     }
 
-    /// A place that nothing follows. Its shift, which stands for nothing, is not 0, so that no
-    /// formula divides by the distance to a place that is not there.
+    /// A place that nothing follows.
     pub(super) fn last(normal: usize, runs_second: bool) -> Self {
         Self(Self::new(normal, runs_second, [1; 2]).0 & !LINKED)
     }

@@ -38,6 +38,8 @@ pub(super) struct Effort {
     pub(super) segments: usize,
     /// Stop when the preconditioned residual has fallen to this part of its first norm.
     pub(super) reduction: f64,
+    /// Whether the step is one of many that go on until they converge.
+    pub(super) converges: bool,
 }
 
 /// Working vectors, kept between steps. In single precision, which halves the memory that every
@@ -170,8 +172,8 @@ impl Workspace {
             let diagonal = &model.diagonals()[first..][..count];
             let direction = &direction[first..][..count];
             for n in 0..count {
-                let [a, b] = places[n].map(|place| images[place as usize]);
-                image[n] = diagonal[n] * direction[n] + (a + b);
+                let [a, b] = places[n];
+                image[n] = diagonal[n] * direction[n] + (images[a as usize] + images[b as usize]);
             }
             dot(image, direction)
         })
@@ -216,8 +218,9 @@ impl Workspace {
         parallel::update_blocks(&mut self.residual, NONE, |first, residual, []| {
             for (n, residual) in residual.iter_mut().enumerate() {
                 let v = first + n;
-                let [a, b] = network.places()[v].map(|place| images[place as usize]);
-                let image = model.diagonals()[v] * step[v] + (a + b);
+                let [a, b] = network.places()[v];
+                let image = model.diagonals()[v] * step[v]
+                    + (images[a as usize] + images[b as usize]);
                 *residual = if inverse[v] > 0.0 { -model.gradient(v) as f32 - image } else { 0.0 };
             }
             norm(residual, &inverse[first..])

@@ -1,6 +1,6 @@
 //! The energy around a state to second order: a gradient and a matrix along the curves.
 
-use crate::energy::{LANES, Lanes};
+use crate::energy::LANES;
 use crate::network::{Network, REPEATED};
 use crate::optimize::problem::Problem;
 use crate::optimize::real::Real;
@@ -45,11 +45,10 @@ impl<R: Real> Model<R> {
                 terms.fill(problem, strip, places.len());
                 let out = places.start - first..places.end - first;
                 let count = out.len();
-                let row = |row: &[f32; STRIP], out: &mut [f32]| out.copy_from_slice(&row[..count]);
-                slopes[out.clone()].copy_from_slice(&terms.slopes()[..count]);
-                row(&terms.squares(), &mut squares[out.clone()]);
-                row(&terms.near(), &mut near[out.clone()]);
-                row(&terms.far(), &mut far[out.clone()]);
+                terms.slopes(&mut slopes[out.clone()]);
+                terms.squares(&mut squares[out.clone()]);
+                terms.near(&mut near[out.clone()]);
+                terms.far(&mut far[out.clone()]);
                 rho[out].copy_from_slice(&terms.rho[1..=count]);
             });
             problem.sum_over_curves(range, &rho)
@@ -139,52 +138,69 @@ impl<R: Real> Terms<R> {
 
     /// Evaluates the terms at the `count` places of a strip and at those beside it.
     fn fill(&mut self, problem: &Problem<R>, strip: &Strip<R>, count: usize) {
-        const PAIRS: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
         let two = R::from_f64(2.0);
         for n in (0..count + 2).step_by(LANES) {
             let term = R::terms(problem.energy, &strip.stencils(n + REPEATED - 1));
             let weight = strip.weights(n + REPEATED - 1);
-            let doubled = weight.map(|w| two * w);
-            let [p, q] = term.residual;
-            let [a, b] = term.slope;
-            let scaled = [a, b].map(|slopes| slopes.map(|s| product(&doubled, &s)));
+            let ([p, q], [a, b]) = (term.residual, term.slope);
             put(&mut self.rho, n, |l| weight[l] * (p[l] * p[l] + q[l] * q[l]));
-            for (j, row) in self.gradient.iter_mut().enumerate() {
-                put(row, n, |l| p[l] * scaled[0][j][l] + q[l] * scaled[1][j][l]);
-            }
-            for (row, (i, j)) in self.matrix.iter_mut().zip(PAIRS) {
-                put(row, n, |l| a[i][l] * scaled[0][j][l] + b[i][l] * scaled[1][j][l]);
+            for i in 0..3 {
+                let (mut c, mut d) = (a[i], b[i]);
+                for l in 0..LANES {
+                    c[l] = two * weight[l] * c[l];
+                    d[l] = two * weight[l] * d[l];
+                }
+                put(&mut self.gradient[i], n, |l| p[l] * c[l] + q[l] * d[l]);
+                for j in i..3 {
+                    let row = &mut self.matrix[ENTRY[i][j]];
+                    put(row, n, |l| a[j][l] * c[l] + b[j][l] * d[l]);
+                }
             }
         }
     }
 
     /// The gradient in the position of every place.
-    fn slopes(&self) -> [R; STRIP] {
+    fn slopes(&self, out: &mut [R]) {
         let [next, own, previous] = &self.gradient;
-        std::array::from_fn(|n| own[n + 1] + previous[n] + next[n + 2])
+        sum(out, [own, previous, next], |x| x);
     }
 
     /// The diagonal of the matrix.
-    fn squares(&self) -> [f32; STRIP] {
+    fn squares(&self, out: &mut [f32]) {
         let [next, _, _, own, _, previous] = &self.matrix;
-        std::array::from_fn(|n| (own[n + 1] + previous[n] + next[n + 2]).to_f64() as f32)
+        sum(out, [own, previous, next], single);
     }
 
     /// The coupling of every place to the next one.
-    fn near(&self) -> [f32; STRIP] {
+    fn near(&self, out: &mut [f32]) {
         let [_, next, _, _, own, _] = &self.matrix;
-        std::array::from_fn(|n| (own[n + 1] + next[n + 2]).to_f64() as f32)
+        for ((out, &a), &b) in out.iter_mut().zip(&own[1..]).zip(&next[2..]) {
+            *out = single(a + b);
+        }
     }
 
     /// The coupling of every place to the one after the next.
-    fn far(&self) -> [f32; STRIP] {
-        std::array::from_fn(|n| self.matrix[2][n + 2].to_f64() as f32)
+    fn far(&self, out: &mut [f32]) {
+        for (out, &a) in out.iter_mut().zip(&self.matrix[2][2..]) {
+            *out = single(a);
+        }
+    }
+}
+
+/// Where the entry of a symmetric matrix of three rows is kept.
+const ENTRY: [[usize; 3]; 3] = [[0, 1, 2], [1, 3, 4], [2, 4, 5]];
+
+/// At every place its own number, that of the place before and that of the next one.
+fn sum<R: Real, T>(out: &mut [T], [own, previous, next]: [&[R; LENGTH]; 3], f: impl Fn(R) -> T) {
+    let terms = own[1..].iter().zip(previous).zip(&next[2..]);
+    for (out, ((&own, &previous), &next)) in out.iter_mut().zip(terms) {
+        *out = f(own + previous + next);
     }
 }
 
 #[inline(always)]
-fn product<R: Real>(a: &Lanes<R>, b: &Lanes<R>) -> Lanes<R> {
-    std::array::from_fn(|l| a[l] * b[l])
+fn single<R: Real>(x: R) -> f32 {
+    x.to_f64() as f32
 }
 
 /// Sets some numbers from index `n` on.

@@ -81,11 +81,10 @@ impl<'a, R: Real> Problem<'a, R> {
         // along the edge and the normals of curves 0 and 1.
         let (network, slopes) = (self.network, self.squared_slopes(x));
         self.set_weights(|v| {
-            let slopes = [0, 1].map(|c| slopes[network.place(v, c)]);
-            slopes.map(|own| {
-                let share = (1.0 + own) / (1.0 + slopes[0] + slopes[1]);
-                power_of_root(share.max(LEAST_WEIGHT), exponent)
-            })
+            let [a, b] = [slopes[network.place(v, 0)], slopes[network.place(v, 1)]];
+            let inverse = 1.0 / (1.0 + a + b);
+            let weight = |share: f32| power_of_root(share.max(LEAST_WEIGHT), exponent);
+            [weight((1.0 + a) * inverse), weight((1.0 + b) * inverse)]
         });
     }
 
@@ -116,14 +115,16 @@ impl<'a, R: Real> Problem<'a, R> {
     /// Weighs each place by a factor of its vertex, and by nothing where its curve ends.
     fn set_weights(&mut self, factors: impl Fn(u32) -> [f32; 2] + Sync) {
         let network = self.network;
+        let is_within = |place: usize| {
+            network.steps()[place - 1].is_linked() && network.steps()[place].is_linked()
+        };
         parallel::fill(&mut self.weights, |v| {
             let v = v as u32;
-            let factors = factors(v);
-            [0, 1].map(|c| {
-                let place = network.place(v, c);
-                let within = network.steps()[place - 1..=place].iter().all(|s| s.is_linked());
-                if within { factors[c] } else { 0.0 }
-            })
+            let [a, b] = factors(v);
+            [
+                if is_within(network.place(v, 0)) { a } else { 0.0 },
+                if is_within(network.place(v, 1)) { b } else { 0.0 },
+            ]
         });
     }
 
@@ -141,8 +142,10 @@ impl<'a, R: Real> Problem<'a, R> {
                     let term = R::terms(self.energy, &strip.stencils(n + REPEATED));
                     let weights = strip.weights(n + REPEATED);
                     let [a, b] = term.residual;
-                    let values: Lanes<R> =
-                        std::array::from_fn(|l| weights[l] * (a[l] * a[l] + b[l] * b[l]));
+                    let mut values = weights;
+                    for l in 0..LANES {
+                        values[l] = weights[l] * (a[l] * a[l] + b[l] * b[l]);
+                    }
                     let out = places.start - range.start + n;
                     let count = LANES.min(places.len() - n);
                     rho[out..out + count].copy_from_slice(&values[..count]);
@@ -286,17 +289,20 @@ impl<R: Real> Around<'_, R> {
         let term = R::terms(self.energy, &self.strip.stencils(1));
         let weights = self.strip.weights(1);
         let mut sum = Univariate::default();
-        for (at, n) in WINDOWS.into_iter().flat_map(|at| [(at, 0), (at, 1), (at, 2)]) {
-            let lane = at + n;
-            let weight = weights[lane].to_f64();
-            if weight > 0.0 {
-                for (residual, slopes) in term.residual.iter().zip(&term.slope) {
-                    // The vertex is the next of the place before it, and so on.
-                    let (residual, slope) = (residual[lane].to_f64(), slopes[2 - n][lane].to_f64());
-                    sum.value += weight * residual * residual;
-                    sum.slope += 2.0 * weight * residual * slope;
-                    sum.curvature += 2.0 * weight * slope * slope;
+        let ([p, q], [a, b]) = (term.residual, term.slope);
+        for at in WINDOWS {
+            for n in 0..3 {
+                let lane = at + n;
+                if weights[lane] <= R::default() {
+                    continue;
                 }
+                // The vertex is the next of the place before it, and so on.
+                let (a, b) = (a[2 - n][lane].to_f64(), b[2 - n][lane].to_f64());
+                let (p, q, weight) =
+                    (p[lane].to_f64(), q[lane].to_f64(), weights[lane].to_f64());
+                sum.value += weight * (p * p + q * q);
+                sum.slope += 2.0 * weight * (p * a + q * b);
+                sum.curvature += 2.0 * weight * (a * a + b * b);
             }
         }
         if self.barrier > 0.0 {
@@ -310,22 +316,28 @@ impl<R: Real> Around<'_, R> {
     }
 }
 
-/// See [`Problem::mark_places`].
+/// See [`Problem::mark_places`]: squared lengths and cosines.
 #[inline(always)]
 fn turnings<R: Real>(strip: &Strip<R>, n: usize) -> (Lanes<f32>, Lanes<f32>) {
     let (before, after) = (single(strip.chords(n - 1)), single(strip.chords(n)));
-    let product = |a: &[Lanes<f32>; 2], b: &[Lanes<f32>; 2]| -> Lanes<f32> {
-        std::array::from_fn(|l| a[0][l] * b[0][l] + a[1][l] * b[1][l])
-    };
-    let (l0, l1) = (product(&before, &before), product(&after, &after));
-    let turn = product(&before, &after);
-    let cosines = std::array::from_fn(|l| turn[l] / (l0[l] * l1[l]).sqrt());
-    (std::array::from_fn(|l| l0[l].min(l1[l])), cosines)
+    let (mut lengths, mut cosines) = ([0.0; LANES], [0.0; LANES]);
+    for l in 0..LANES {
+        let [a, b] = [[before[0][l], before[1][l]], [after[0][l], after[1][l]]];
+        let (l0, l1) = (a[0] * a[0] + a[1] * a[1], b[0] * b[0] + b[1] * b[1]);
+        lengths[l] = if l0 < l1 { l0 } else { l1 };
+        cosines[l] = (a[0] * b[0] + a[1] * b[1]) / (l0 * l1).sqrt();
+    }
+    (lengths, cosines)
 }
 
 #[inline(always)]
-fn single<R: Real>(vectors: [Lanes<R>; 2]) -> [Lanes<f32>; 2] {
-    vectors.map(|v| v.map(|x| x.to_f64() as f32))
+fn single<R: Real>([u, v]: [Lanes<R>; 2]) -> [Lanes<f32>; 2] {
+    let mut single = [[0.0; LANES]; 2];
+    for l in 0..LANES {
+        single[0][l] = u[l].to_f64() as f32;
+        single[1][l] = v[l].to_f64() as f32;
+    }
+    single
 }
 
 /// See [`Problem::squared_slopes`].
@@ -333,16 +345,18 @@ fn single<R: Real>(vectors: [Lanes<R>; 2]) -> [Lanes<f32>; 2] {
 fn squared_slopes<R: Real>(strip: &Strip<R>, n: usize) -> Lanes<f32> {
     let (before, after) = (single(strip.chords(n - 1)), single(strip.chords(n)));
     let moves = single(strip.moves(n));
-    std::array::from_fn(|l| {
-        let [a, b] = [before, after].map(|c| [c[0][l], c[1][l]]);
+    let mut slopes = [0.0; LANES];
+    for l in 0..LANES {
+        let [a, b] = [[before[0][l], before[1][l]], [after[0][l], after[1][l]]];
         // Both tangents at a vertex are weighted by the inverse of their chords' squared lengths;
         // only the ratio matters, so by the other's.
-        let [wb, wa] = [a, b].map(|c| c[0] * c[0] + c[1] * c[1]);
-        let tangent = [0, 1].map(|k| wa * a[k] + wb * b[k]);
+        let (wb, wa) = (a[0] * a[0] + a[1] * a[1], b[0] * b[0] + b[1] * b[1]);
+        let tangent = [wa * a[0] + wb * b[0], wa * a[1] + wb * b[1]];
         let along = tangent[0] * moves[0][l] + tangent[1] * moves[1][l];
         let across = tangent[0] * moves[1][l] + tangent[1] * moves[0][l];
-        (along * along) / (across * across)
-    })
+        slopes[l] = (along * along) / (across * across);
+    }
+    slopes
 }
 
 /// The square root of `x` to a power.

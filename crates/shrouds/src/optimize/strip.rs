@@ -9,6 +9,10 @@ pub(super) const STRIP: usize = 256;
 /// Places that a strip holds: its own, two before and after them, and what the last lanes read beyond.
 pub(super) const LONG: usize = STRIP + 2 * REPEATED + LANES;
 
+/// Where a place that is not there is taken to lie: so far that a tangent, which minds the nearer of
+/// two neighbours more, is that to the neighbour there is.
+const FAR: f64 = 1e5;
+
 /// What a place contributes to a strip, for every step.
 pub(super) struct StepTable<R>(Vec<StepRow<R>>);
 
@@ -30,7 +34,10 @@ impl<R: Real> StepTable<R> {
             let axes = [(step.normal() + 1) % 3, (step.normal() + 2) % 3];
             let own = usize::from(step.runs_second());
             let along = |k: usize| if k == own { spacing[axes[k]] } else { 0.0 };
-            let shift = |k: usize| f64::from(step.shift()[k]) * spacing[axes[k]];
+            let shift = |k: usize| match step.is_linked() {
+                true => f64::from(step.shift()[k]) * spacing[axes[k]],
+                false => FAR,
+            };
             StepRow {
                 moves: [0, 1].map(|k| R::from_f64(along(k))),
                 shift: [0, 1].map(|k| R::from_f64(shift(k))),
@@ -65,10 +72,8 @@ impl<R: Real, const LENGTH: usize> Strip<R, LENGTH> {
     /// Sets the place at index `n`; its weight is without the distance of the slices.
     #[inline(always)]
     pub(super) fn set(&mut self, n: usize, row: StepRow<R>, x: R, weight: f32) {
-        for k in 0..2 {
-            self.moves[k][n] = row.moves[k];
-            self.shift[k][n] = row.shift[k];
-        }
+        (self.moves[0][n], self.moves[1][n]) = (row.moves[0], row.moves[1]);
+        (self.shift[0][n], self.shift[1][n]) = (row.shift[0], row.shift[1]);
         self.weight[n] = R::from_f64(f64::from(weight)) * row.distance;
         self.move_to(n, x);
     }
@@ -76,33 +81,39 @@ impl<R: Real, const LENGTH: usize> Strip<R, LENGTH> {
     /// Moves the place at index `n`.
     #[inline(always)]
     pub(super) fn move_to(&mut self, n: usize, x: R) {
-        for k in 0..2 {
-            self.offset[k][n] = x * self.moves[k][n];
-        }
+        self.offset[0][n] = x * self.moves[0][n];
+        self.offset[1][n] = x * self.moves[1][n];
     }
 
     /// The vectors from the places at `n` and the next ones to their successors.
     #[inline(always)]
     pub(super) fn chords(&self, n: usize) -> [Lanes<R>; 2] {
-        [0, 1].map(|k| {
-            let (offset, shift) = (&self.offset[k][n..n + LANES + 1], &self.shift[k][n..n + LANES]);
-            std::array::from_fn(|l| shift[l] + offset[l + 1] - offset[l])
-        })
+        [self.chords_along(0, n), self.chords_along(1, n)]
+    }
+
+    #[inline(always)]
+    fn chords_along(&self, k: usize, n: usize) -> Lanes<R> {
+        let (offset, shift) = (&self.offset[k][n..n + LANES + 1], &self.shift[k][n..n + LANES]);
+        let mut chords = [R::default(); LANES];
+        for l in 0..LANES {
+            chords[l] = shift[l] + offset[l + 1] - offset[l];
+        }
+        chords
     }
 
     /// How the places at `n` and the next ones move.
     #[inline(always)]
     pub(super) fn moves(&self, n: usize) -> [Lanes<R>; 2] {
-        [0, 1].map(|k| lanes(&self.moves[k], n))
+        [lanes(&self.moves[0], n), lanes(&self.moves[1], n)]
     }
 
     /// The places at `n` and the next ones with their neighbours, each seen from itself, and how they
     /// move.
     #[inline(always)]
     pub(super) fn stencils(&self, n: usize) -> Stencil<Lanes<R>> {
-        let before = self.chords(n - 1).map(|chord| chord.map(|x| -x));
+        let [u, v] = self.chords(n - 1);
         Stencil {
-            points: [before, [[R::default(); LANES]; 2], self.chords(n)],
+            points: [[negative(u), negative(v)], [[R::default(); LANES]; 2], self.chords(n)],
             moves: [self.moves(n - 1), self.moves(n), self.moves(n + 1)],
         }
     }
@@ -117,6 +128,15 @@ impl<R: Real, const LENGTH: usize> Strip<R, LENGTH> {
 /// The numbers at `n` and the next ones.
 #[inline(always)]
 fn lanes<R: Real>(values: &[R], n: usize) -> Lanes<R> {
-    let values = &values[n..n + LANES];
-    std::array::from_fn(|l| values[l])
+    let mut lanes = [R::default(); LANES];
+    lanes.copy_from_slice(&values[n..n + LANES]);
+    lanes
+}
+
+#[inline(always)]
+fn negative<R: Real>(mut values: Lanes<R>) -> Lanes<R> {
+    for value in &mut values {
+        *value = -*value;
+    }
+    values
 }

@@ -25,32 +25,41 @@ impl Surface {
             }
             Border::Open => volume.clone(),
         };
-        let [_, ny, nz] = volume.grid().dims();
-        let mut rows = vec![[0; 3]; ny * nz + 1];
-        let (all, end) = rows.split_at_mut(ny * nz);
-        let table = cell::table(face_rule);
-        let slices = parallel::pieces(all, (1..=nz).map(|k| k * ny), |k, rows| {
-            let vertices = number_rows(&volume, k, rows);
-            let layer = if k + 1 < nz { count_patches(&volume, k, table) } else { (0, 0) };
-            (vertices, layer)
-        });
-        let vertices = slices.iter().map(|(vertices, _)| vertices).sum();
+        let (surface, vertices) = number(volume, face_rule, border);
         if vertices > Self::MAX_VERTICES {
             return Err(Error::TooManyVertices { vertices, limit: Self::MAX_VERTICES });
         }
-        let mut before = 0;
-        let mut layers = vec![(0, 0)];
-        for (rows, (vertices, (patches, triangles))) in all.chunks_mut(ny).zip(&slices) {
-            rows.as_flattened_mut().iter_mut().for_each(|first| *first += before);
-            before += *vertices as u32;
-            let last = layers[layers.len() - 1];
-            layers.push((last.0 + patches, last.1 + triangles));
-        }
-        // Above the last slice there is no layer.
-        layers.pop();
-        end[0] = [before; 3];
-        Ok(Self { volume, face_rule, border, rows, layers })
+        Ok(surface)
     }
+}
+
+/// Counts crossings and patches of a volume that has its border already. Returns the surface and the
+/// number of its vertices, beyond [`Surface::MAX_VERTICES`] of which the surface means nothing.
+pub(super) fn number(volume: Occupancy, face_rule: FaceRule, border: Border) -> (Surface, u64) {
+    let [_, ny, nz] = volume.grid().dims();
+    let mut rows = vec![[0; 3]; ny * nz + 1];
+    let (all, end) = rows.split_at_mut(ny * nz);
+    let table = cell::table(face_rule);
+    let slices = parallel::pieces(all, (1..=nz).map(|k| k * ny), |k, rows| {
+        let vertices = number_rows(&volume, k, rows);
+        let layer = if k + 1 < nz { count_patches(&volume, k, table) } else { (0, 0) };
+        (vertices, layer)
+    });
+    let vertices = slices.iter().map(|(vertices, _)| vertices).sum();
+    let mut before = 0u32;
+    let mut layers = vec![(0, 0)];
+    for (rows, (vertices, (patches, triangles))) in all.chunks_mut(ny).zip(&slices) {
+        for first in rows.as_flattened_mut() {
+            *first = first.wrapping_add(before);
+        }
+        before = before.wrapping_add(*vertices as u32);
+        let last = layers[layers.len() - 1];
+        layers.push((last.0 + patches, last.1 + triangles));
+    }
+    // Above the last slice there is no layer.
+    layers.pop();
+    end[0] = [before; 3];
+    (Surface { volume, face_rule, border, rows, layers }, vertices)
 }
 
 /// Numbers the first crossings of the rows of a slice, as if there were none before it. Returns how

@@ -1,5 +1,7 @@
 //! The set of inside lattice points, one bit each.
 
+use std::ops::Range;
+
 use crate::error::Error;
 use crate::grid::Grid;
 use crate::parallel;
@@ -94,6 +96,18 @@ impl Occupancy {
         assert!(j < ny && k < nz, "row ({j}, {k}) outside {:?}", self.grid.dims());
         let start = (k * ny + j) * self.words_per_row;
         &self.words[start..start + self.words_per_row]
+    }
+
+    /// The lattice points in some rows of some slices, with a grid whose place is that of the whole.
+    pub(crate) fn crop(&self, rows: Range<usize>, slices: Range<usize>) -> Self {
+        let grid = self.grid.crop(rows.clone(), slices.clone());
+        let [_, ny, _] = self.grid.dims();
+        let row = |j: usize, k: usize| (k * ny + j) * self.words_per_row;
+        let words = slices
+            .flat_map(|k| &self.words[row(rows.start, k)..row(rows.end, k)])
+            .copied()
+            .collect();
+        Self { grid, words_per_row: self.words_per_row, words }
     }
 
     /// Number of inside lattice points.
