@@ -31,6 +31,7 @@ impl LoopShape {
 
     /// The fixed triangulation as loop corner numbers: legal, with the shortest diagonals between the
     /// middles of the grid edges.
+    #[inline]
     pub fn fixed(&self) -> &[[u8; 3]] {
         &self.fixed
     }
@@ -59,6 +60,7 @@ impl LoopShape {
     }
 
     /// The cell edges of the loop's corners.
+    #[inline]
     pub(super) fn edges(&self) -> &[u8] {
         &self.edges
     }
@@ -73,6 +75,7 @@ pub(super) struct CellTable {
 
 impl CellTable {
     /// The loops of a cell with these inside corners (bit `c` for corner `c`).
+    #[inline]
     pub(super) fn loops(&self, corners: u8) -> &[LoopShape] {
         let pattern = usize::from(corners);
         &self.shapes[usize::from(self.starts[pattern])..usize::from(self.starts[pattern + 1])]

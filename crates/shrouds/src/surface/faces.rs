@@ -128,6 +128,7 @@ struct FaceWord {
 }
 
 impl FaceWord {
+    #[inline]
     fn new(corners: [u64; 4]) -> Self {
         let [a, b, c, d] = corners;
         Self { corners, crossed: [a ^ b, b ^ c, c ^ d, d ^ a] }
@@ -135,11 +136,16 @@ impl FaceWord {
 
     /// Calls `emit` with the corners and the vertices of every face among `faces` that has any;
     /// `first` are the first vertices on each of the four edges.
+    #[inline]
     fn visit(&self, faces: u64, first: [u32; 4], emit: &mut impl FnMut(usize, [u32; 4])) {
         let [a, b, c, _] = self.crossed;
         for bit in set_bits((a | b | c) & faces) {
-            let vertices = std::array::from_fn(|q| first[q] + rank(self.crossed[q], bit));
-            let corners = (0..4).fold(0, |all, q| all | (self.corners[q] >> bit & 1) << q);
+            let mut vertices = [0; 4];
+            let mut corners = 0;
+            for q in 0..4 {
+                vertices[q] = first[q] + rank(self.crossed[q], bit);
+                corners |= (self.corners[q] >> bit & 1) << q;
+            }
             emit(corners as usize, vertices);
         }
     }

@@ -111,6 +111,7 @@ impl Surface {
         self.layers[layer].0..self.layers[layer + 1].0
     }
 
+    #[inline]
     fn first_vertex(&self, row: usize) -> u32 {
         self.rows[row][0]
     }
