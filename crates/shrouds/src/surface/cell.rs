@@ -71,6 +71,8 @@ pub(super) struct CellTable {
     shapes: Vec<LoopShape>,
     /// Loops of pattern `p` are `shapes[starts[p]..starts[p + 1]]`.
     starts: [u16; 257],
+    /// The fixed triangles of all loops of a pattern, as cell edges.
+    triangles: Vec<Vec<[u8; 3]>>,
 }
 
 impl CellTable {
@@ -81,13 +83,24 @@ impl CellTable {
         &self.shapes[usize::from(self.starts[pattern])..usize::from(self.starts[pattern + 1])]
     }
 
+    /// The fixed triangles of all loops of a cell, in order, as cell edges.
+    #[inline]
+    pub(super) fn triangles(&self, corners: u8) -> &[[u8; 3]] {
+        &self.triangles[usize::from(corners)]
+    }
+
     fn new(rule: FaceRule) -> Self {
-        let mut table = Self { shapes: Vec::new(), starts: [0; 257] };
+        let mut table = Self { shapes: Vec::new(), starts: [0; 257], triangles: Vec::new() };
         for pattern in 0..256 {
             let loops = trace_loops(pattern as u8, rule);
             let alone = loops.len() == 1;
             table.shapes.extend(loops.into_iter().map(|edges| loop_shape(edges, alone)));
             table.starts[pattern + 1] = table.shapes.len() as u16;
+            let loops = table.loops(pattern as u8).iter();
+            let triangles = loops.flat_map(|shape| {
+                shape.fixed.iter().map(|t| t.map(|corner| shape.edges[usize::from(corner)]))
+            });
+            table.triangles.push(triangles.collect());
         }
         table
     }

@@ -2,6 +2,7 @@
 
 use crate::surface::Surface;
 use crate::surface::bits::{mask_below, rank, set_bits, shifted};
+use crate::volume::Occupancy;
 
 /// Up to sixty-four neighbouring cells along x between four rows of lattice points, which are in
 /// corner order: `(j, k)`, `(j + 1, k)`, `(j, k + 1)`, `(j + 1, k + 1)`.
@@ -57,12 +58,27 @@ impl CellWord {
     }
 }
 
+/// The rows of lattice points around the row of cells `j` of a layer, in corner order.
+#[inline]
+pub(super) fn rows_around(volume: &Occupancy, j: usize, layer: usize) -> [&[u64]; 4] {
+    [
+        volume.row(j, layer),
+        volume.row(j + 1, layer),
+        volume.row(j, layer + 1),
+        volume.row(j + 1, layer + 1),
+    ]
+}
+
 /// Calls `f` for the words that hold active cells of the row of cells between four rows of lattice
 /// points, in corner order, of `cells + 1` points each.
 #[inline]
 pub(super) fn for_each_word(rows: [&[u64]; 4], cells: usize, mut f: impl FnMut(&CellWord)) {
     let last = rows[0].len() - 1;
-    let [a, b, c, d] = rows.map(|row| &row[..=last]);
+    let [a, b, c, d] = rows;
+    let [a, b, c, d] = [&a[..=last], &b[..=last], &c[..=last], &d[..=last]];
+    if (0..=last).fold(0, |any, w| any | a[w] | b[w] | c[w] | d[w]) == 0 {
+        return;
+    }
     let any_and_all = |w: usize| (a[w] | b[w] | c[w] | d[w], a[w] & b[w] & c[w] & d[w]);
     let (mut any, mut all) = any_and_all(0);
     for word in 0..=last {
@@ -92,14 +108,12 @@ impl Surface {
             {
                 continue;
             }
-            let numbers = [low, low + 1, high, high + 1].map(|row| self.rows[row]);
-            let [a, b, c, d] = numbers;
+            let [a, b] = [self.rows[low], self.rows[low + 1]];
+            let [c, d] = [self.rows[high], self.rows[high + 1]];
             // The first vertices of the rows of crossings around the cells: four along x, and those
             // along y and z, which serve two cell edges each.
             let mut first = [a[0], b[0], c[0], d[0], a[1], c[1], a[2], b[2]];
-            let rows = [(j, layer), (j + 1, layer), (j, layer + 1), (j + 1, layer + 1)];
-            let rows = rows.map(|(j, k)| self.volume.row(j, k));
-            for_each_word(rows, nx - 1, |word| {
+            for_each_word(rows_around(&self.volume, j, layer), nx - 1, |word| {
                 let crossed = word.crossed();
                 let [xa, xb, xc, xd, ya, yb, _, _, za, _, zb, _] = crossed;
                 let [p, q, r, s, t, u, v, w] = first;
