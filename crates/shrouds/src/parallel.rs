@@ -4,6 +4,7 @@
 //! order, so every result has the same bits on any number of threads, and without the feature
 //! `parallel` too.
 
+use std::iter::Sum;
 use std::ops::Range;
 
 #[cfg(feature = "parallel")]
@@ -36,11 +37,11 @@ pub(crate) const NONE: [&mut [u8]; 0] = [];
 
 /// `f(first, block)` for successive blocks, taken at the same place from several arrays of one length,
 /// the first of another type than the others; the sum of what it returns, always in the same order.
-pub(crate) fn update_blocks<T: Send, U: Send, const N: usize>(
+pub(crate) fn update_blocks<T: Send, U: Send, S: Send + Sum, const N: usize>(
     leading: &mut [T],
     others: [&mut [U]; N],
-    f: impl Fn(usize, &mut [T], [&mut [U]; N]) -> f64 + Sync,
-) -> f64 {
+    f: impl Fn(usize, &mut [T], [&mut [U]; N]) -> S + Sync,
+) -> S {
     let count = leading.len();
     assert!(others.iter().all(|other| other.len() == count), "arrays of one length");
     let mut rest = others.map(|other| other.chunks_mut(BLOCK));
@@ -53,14 +54,17 @@ pub(crate) fn update_blocks<T: Send, U: Send, const N: usize>(
         .collect();
     let run = |(first, block, others)| f(first, block, others);
     #[cfg(feature = "parallel")]
-    let sums: Vec<f64> = blocks.into_par_iter().map(run).collect();
+    let sums: Vec<S> = blocks.into_par_iter().map(run).collect();
     #[cfg(not(feature = "parallel"))]
-    let sums: Vec<f64> = blocks.into_iter().map(run).collect();
+    let sums: Vec<S> = blocks.into_iter().map(run).collect();
     sums.into_iter().sum()
 }
 
 /// Sum of `f(range)` over successive blocks of `0..count`, always in the same order.
-pub(crate) fn sum_blocks(count: usize, f: impl Fn(Range<usize>) -> f64 + Sync) -> f64 {
+pub(crate) fn sum_blocks<S: Send + Sum>(
+    count: usize,
+    f: impl Fn(Range<usize>) -> S + Sync,
+) -> S {
     blocks(count, BLOCK, f).into_iter().sum()
 }
 

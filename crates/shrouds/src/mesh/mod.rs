@@ -3,6 +3,7 @@
 //! Uses: `grid`, `surface`, `network`.
 
 mod dual;
+mod midpoint;
 mod normals;
 mod primal;
 

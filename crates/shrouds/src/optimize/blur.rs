@@ -1,24 +1,51 @@
 //! The occupancy blurred by one voxel, near the surface only.
 
-use std::sync::LazyLock;
-
 use crate::surface::Surface;
 use crate::volume::{Border, Occupancy};
 
 /// The value on the surface: half the sum of all weights of the filter, 16³.
 pub(super) const HALF: i32 = 2048;
 
-/// Weights of the binomial filter along one axis: a variance of 1, in integers.
-const WEIGHTS: [u16; 5] = [1, 4, 6, 4, 1];
+/// Symmetric filters of five points with their variances in squared lattice steps. In integers; each
+/// sums to 16.
+const FILTERS: [(f64, Weights); 4] =
+    [(1.0, [6, 4, 1]), (0.5, [8, 4, 0]), (0.25, [12, 2, 0]), (0.0, [16, 0, 0])];
+/// Standard deviation of the blur, in units of the smallest spacing, as far as five points allow.
+const DEVIATION: f64 = 1.5;
+
+/// Weights of a point, of its two neighbours and of theirs.
+type Weights = [u16; 3];
+
 const REACH: usize = 2;
 /// Lattice points per word.
 const WORD: usize = 64;
 
-/// For twelve successive lattice points the filtered values of the middle eight, a byte each.
-static FILTERED: LazyLock<Vec<[u8; 8]>> = LazyLock::new(|| {
-    let filter = |bits: usize| -> u16 { (0..5).map(|n| WEIGHTS[n] * (bits >> n & 1) as u16).sum() };
-    (0..1 << 12).map(|bits| std::array::from_fn(|n| filter(bits >> n) as u8)).collect()
-});
+/// The filters along the three axes.
+pub(super) struct Filter {
+    /// For twelve successive lattice points along x the filtered values of the middle eight.
+    table: Vec<[u8; 8]>,
+    y: Weights,
+    z: Weights,
+}
+
+impl Filter {
+    /// A blur as wide in the world along all axes, `spacing` being in units of the smallest one.
+    pub(super) fn new(spacing: [f64; 3]) -> Self {
+        let [x, y, z] = spacing.map(|spacing| {
+            let wanted = (DEVIATION / spacing).powi(2);
+            let nearest = |(a, _): &&(f64, Weights), (b, _): &&(f64, Weights)| {
+                (a - wanted).abs().total_cmp(&(b - wanted).abs())
+            };
+            FILTERS.iter().min_by(nearest).map_or(FILTERS[0].1, |filter| filter.1)
+        });
+        let [a, b, c] = x;
+        let weights = [c, b, a, b, c];
+        let filter =
+            |bits: usize| (0..5).map(|n| weights[n] * (bits >> n & 1) as u16).sum::<u16>() as u8;
+        let table = (0..1 << 12).map(|bits| std::array::from_fn(|n| filter(bits >> n))).collect();
+        Self { table, y, z }
+    }
+}
 
 /// Blurred values of the lattice points of a word.
 type Values = [u16; WORD];
@@ -31,6 +58,7 @@ type Values = [u16; WORD];
 pub(super) struct Blur<'a> {
     volume: &'a Occupancy,
     border: Border,
+    filter: &'a Filter,
     words: usize,
     /// The last slices blurred along x and y: that of slice `k` is number `k` modulo their count.
     flat: Vec<Flat>,
@@ -44,7 +72,7 @@ struct Flat {
 }
 
 impl<'a> Blur<'a> {
-    pub(super) fn new(surface: &'a Surface) -> Self {
+    pub(super) fn new(surface: &'a Surface, filter: &'a Filter) -> Self {
         let volume = surface.volume();
         let [nx, ny, _] = volume.grid().dims();
         let words = nx.div_ceil(WORD);
@@ -57,6 +85,7 @@ impl<'a> Blur<'a> {
         Self {
             volume,
             border: surface.border(),
+            filter,
             words,
             flat: (0..count).map(|_| flat()).collect(),
         }
@@ -86,7 +115,7 @@ impl<'a> Blur<'a> {
                     self.flatten(j, k, w);
                 }
                 let values = near.map(|k| k.map(|k| &self.flat(k).values[j * self.words + w]));
-                weighted(&values, &mut slice[j * self.words + w]);
+                weighted(self.filter.z, &values, &mut slice[j * self.words + w]);
             }
         }
     }
@@ -127,9 +156,9 @@ impl<'a> Blur<'a> {
         }
         let [nx, ny, _] = self.volume.grid().dims();
         let rows = neighbours(j, ny, self.border).map(|j| {
-            j.map(|j| along_row(self.volume.row(j, k), w, nx, self.border))
+            j.map(|j| along_row(&self.filter.table, self.volume.row(j, k), w, nx, self.border))
         });
-        weighted(&rows.each_ref().map(Option::as_ref), &mut flat.values[index]);
+        weighted(self.filter.y, &rows.each_ref().map(Option::as_ref), &mut flat.values[index]);
     }
 }
 
@@ -147,17 +176,17 @@ fn neighbours(at: usize, count: usize, border: Border) -> [Option<usize>; 5] {
 
 /// The weighted sum of five words of values, absent ones being 0.
 #[inline(always)]
-fn weighted(values: &[Option<&Values>; 5], sum: &mut Values) {
+fn weighted([near, next, far]: Weights, values: &[Option<&Values>; 5], sum: &mut Values) {
     const NOTHING: Values = [0; WORD];
     let [a, b, c, d, e] = values.map(|values| values.unwrap_or(&NOTHING));
     for n in 0..WORD {
-        sum[n] = (a[n] + e[n]) + 4 * (b[n] + d[n]) + 6 * c[n];
+        sum[n] = far * (a[n] + e[n]) + next * (b[n] + d[n]) + near * c[n];
     }
 }
 
 /// Word `w` of a row of `nx` lattice points, blurred along the row.
 #[inline(always)]
-fn along_row(row: &[u64], w: usize, nx: usize, border: Border) -> Values {
+fn along_row(table: &[[u8; 8]], row: &[u64], w: usize, nx: usize, border: Border) -> Values {
     let before = if w > 0 { row[w - 1] >> 62 } else { repeated(row[0] & 1, border) & 3 };
     let mut here = row[w];
     let mut after = row.get(w + 1).copied().unwrap_or_default();
@@ -172,7 +201,7 @@ fn along_row(row: &[u64], w: usize, nx: usize, border: Border) -> Values {
     let bits = u128::from(before) | u128::from(here) << 2 | u128::from(after) << 66;
     let mut values = [0; WORD];
     for (n, values) in values.chunks_exact_mut(8).enumerate() {
-        let filtered = FILTERED[(bits >> (8 * n)) as usize & 0xFFF];
+        let filtered = table[(bits >> (8 * n)) as usize & 0xFFF];
         for (value, byte) in values.iter_mut().zip(filtered) {
             *value = u16::from(byte);
         }

@@ -25,9 +25,9 @@ pub(super) fn solve<R: Real>(
     x: &mut Vec<R>,
     settings: &Settings,
     observer: &mut Observer,
-) -> Vec<Round> {
+) -> (Vec<Round>, Stationarity) {
     let count = if problem.needs_freezing() { ROUNDS } else { 1 };
-    let mut newton = Newton::new(problem.network, vec![false; x.len()]);
+    let mut newton = Newton::new(problem.network);
     let mut rounds: Vec<Round> = Vec::new();
     let mut done = 0;
     for n in 0..count {
@@ -43,7 +43,8 @@ pub(super) fn solve<R: Real>(
             break;
         }
     }
-    rounds
+    let stationarity = Stationarity::of(&newton.model, x, problem.bounds, &problem.is_fixed);
+    (rounds, stationarity)
 }
 
 /// Limits of one round.
@@ -64,25 +65,25 @@ fn round<R: Real>(
     limits: &Limits,
     observer: &mut Observer,
 ) -> Round {
-    let mut energy = newton.linearise(problem, x);
-    let mut round = Round::new(energy);
+    let mut energy = newton.model.linearise(problem, x);
+    let mut round = Round::new(energy.all);
     let tolerance = settings.tolerance();
     let mut decrease = f64::INFINITY;
     for step in 0..=limits.steps {
-        let change = Stationarity::of(&newton.model, x, problem.bounds).step_rms();
-        let progress = Progress { iteration: limits.done + step, energy, change, tolerance };
+        let change = Stationarity::of(&newton.model, x, problem.bounds, &problem.is_fixed).step_rms();
+        let progress = Progress { iteration: limits.done + step, energy: energy.all, change, tolerance, share_done: None };
         if observer(progress).is_break() {
             round.status = Status::Cancelled;
             break;
         }
         // Smooth errors hardly move a vertex alone, so the energy has to settle too.
-        if change <= tolerance && decrease <= tolerance * energy {
+        if change <= tolerance && decrease <= tolerance * energy.all {
             round.status = Status::Converged;
             break;
         }
         // Weights that will change anyway are not worth the last percents.
         let enough =
-            limits.early && (SETTLED * energy..EARLY_DECREASE * energy).contains(&decrease);
+            limits.early && (SETTLED * energy.all..EARLY_DECREASE * energy.all).contains(&decrease);
         if step == limits.steps || enough {
             break;
         }
@@ -91,9 +92,9 @@ fn round<R: Real>(
             round.status = if stationary { Status::Converged } else { Status::Stalled };
             break;
         };
-        decrease = energy - lower;
+        decrease = energy.all - lower.all;
         energy = lower;
-        round.energies.push(energy);
+        round.energies.push(energy.all);
     }
     round
 }

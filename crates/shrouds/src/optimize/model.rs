@@ -2,7 +2,7 @@
 
 use crate::energy::LANES;
 use crate::network::{Network, REPEATED};
-use crate::optimize::problem::Problem;
+use crate::optimize::problem::{Energy, Problem};
 use crate::optimize::real::Real;
 use crate::optimize::strip::{STRIP, Strip};
 use crate::parallel::{self, NONE};
@@ -32,11 +32,29 @@ impl<R: Real> Model<R> {
     }
 
     /// Sets gradient and matrix to those at `x`; returns the energy there.
-    pub(super) fn linearise(&mut self, problem: &Problem<R>, x: &[R]) -> f64 {
+    pub(super) fn linearise(&mut self, problem: &Problem<R>, x: &[R]) -> Energy {
+        let parts = self.linearise_curves(problem, x);
+        self.gather(problem, x, &parts);
+        parts.energy + problem.barrier_value(x)
+    }
+
+    /// The same after setting the barrier to what the energy of the curves asks for.
+    pub(super) fn linearise_with_new_barrier(
+        &mut self,
+        problem: &mut Problem<R>,
+        x: &[R],
+    ) -> Energy {
+        let parts = self.linearise_curves(problem, x);
+        problem.set_barrier(parts.energy.all);
+        self.gather(problem, x, &parts);
+        parts.energy + problem.barrier_value(x)
+    }
+
+    fn linearise_curves(&mut self, problem: &Problem<R>, x: &[R]) -> Parts<R> {
         let places = self.near.len();
         let (mut slopes, mut squares) = (vec![R::default(); places], vec![0.0f32; places]);
         let arrays = [&mut squares[..], &mut self.near, &mut self.far];
-        let curves = parallel::update_blocks(&mut slopes, arrays, |first, slopes, matrix| {
+        let energy = parallel::update_blocks(&mut slopes, arrays, |first, slopes, matrix| {
             let [squares, near, far] = matrix;
             let range = first..first + slopes.len();
             let mut rho = vec![R::default(); range.len()];
@@ -53,17 +71,18 @@ impl<R: Real> Model<R> {
             });
             problem.sum_over_curves(range, &rho)
         });
-        self.gather(problem, x, &slopes, &squares);
-        curves + problem.barrier_value(x)
+        Parts { energy, slopes, squares }
     }
 
     /// Gradient and diagonal from the parts at both places of every vertex and the barrier.
-    fn gather(&mut self, problem: &Problem<R>, x: &[R], slopes: &[R], squares: &[f32]) {
+    fn gather(&mut self, problem: &Problem<R>, x: &[R], parts: &Parts<R>) {
+        let Parts { slopes, squares, .. } = parts;
         let places = problem.network.places();
         let diagonal = [&mut self.diagonal[..]];
         parallel::update_blocks(&mut self.gradient, diagonal, |first, gradient, [diagonal]| {
             for (n, (gradient, diagonal)) in gradient.iter_mut().zip(diagonal).enumerate() {
-                let [a, b] = places[first + n].map(|place| place as usize);
+                let [a, b] = places[first + n];
+                let (a, b) = (a as usize, b as usize);
                 let barrier = problem.barrier_slope(x[first + n]);
                 *gradient = R::from_f64(barrier.slope) + slopes[a] + slopes[b];
                 *diagonal = barrier.curvature as f32 + squares[a] + squares[b];
@@ -115,6 +134,13 @@ impl<R: Real> Model<R> {
             0.0
         });
     }
+}
+
+/// Energy of the curves, and what every place adds to the gradient and the diagonal at its vertex.
+struct Parts<R> {
+    energy: Energy,
+    slopes: Vec<R>,
+    squares: Vec<f32>,
 }
 
 /// ρ, its gradient and its Gauss–Newton matrix with respect to the three positions it depends on, at

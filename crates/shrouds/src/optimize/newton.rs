@@ -3,7 +3,7 @@
 use crate::optimize::conjugate::{Effort, Room, Workspace};
 use crate::network::Network;
 use crate::optimize::model::Model;
-use crate::optimize::problem::Problem;
+use crate::optimize::problem::{Energy, Problem};
 use crate::optimize::real::Real;
 use crate::optimize::univariate;
 use crate::parallel;
@@ -25,18 +25,11 @@ const MOST_OF_THE_WAY: f32 = 0.95;
 pub(super) struct Newton<R> {
     pub(super) model: Model<R>,
     workspace: Workspace,
-    /// Whether a vertex must stay where it is.
-    is_fixed: Vec<bool>,
 }
 
 impl<R: Real> Newton<R> {
-    pub(super) fn new(network: &Network, is_fixed: Vec<bool>) -> Self {
-        Self { model: Model::new(network), workspace: Workspace::new(network), is_fixed }
-    }
-
-    /// Sets the model to that at `x`; returns the energy there.
-    pub(super) fn linearise(&mut self, problem: &Problem<R>, x: &[R]) -> f64 {
-        self.model.linearise(problem, x)
+    pub(super) fn new(network: &Network) -> Self {
+        Self { model: Model::new(network), workspace: Workspace::new(network) }
     }
 
     /// One step that lowers the energy: of all vertices together, or else vertex by vertex. Returns
@@ -45,26 +38,26 @@ impl<R: Real> Newton<R> {
         &mut self,
         problem: &Problem<R>,
         x: &mut Vec<R>,
-        energy: f64,
+        energy: Energy,
         effort: &Effort,
-    ) -> Option<f64> {
-        self.workspace.solve(&self.model, problem.network, &room(problem, x, &self.is_fixed), effort);
+    ) -> Option<Energy> {
+        self.workspace.solve(&self.model, problem.network, &room(problem, x), effort);
         let workspace = &self.workspace;
         let [low, high] = problem.bounds.map(R::to_f64);
         let mut together = vec![R::default(); x.len()];
         parallel::fill(&mut together, |v| R::from_f64((x[v].to_f64() + workspace.step(v)).clamp(low, high)));        let awkward = if effort.converges { self.awkward(problem, x) } else { Vec::new() };
-        repair(problem, &self.is_fixed, &mut together, &awkward);
+        repair(problem, &mut together, &awkward);
         let lower = self.model.linearise(problem, &together);
-        if lower < energy + univariate::ROUNDING * energy.abs() {
+        if lower.all < energy.all + univariate::ROUNDING * energy.all.abs() {
             *x = together;
             return Some(lower);
         }
         // The model misled the step somewhere. Alone, every vertex with a slope left can go down.
         let mut alone = x.clone();
         let all: Vec<u32> = (0..x.len() as u32).collect();
-        repair(problem, &self.is_fixed, &mut alone, &all);
+        repair(problem, &mut alone, &all);
         let lower = self.model.linearise(problem, &alone);
-        (lower < energy).then(|| {
+        (lower.all < energy.all).then(|| {
             *x = alone;
             lower
         })
@@ -83,20 +76,20 @@ impl<R: Real> Newton<R> {
 }
 
 /// How far every vertex may move down and up its grid edge in one step.
-fn room<'a, R: Real>(problem: &Problem<R>, x: &'a [R], is_fixed: &'a [bool]) -> Room<'a, R> {
+fn room<'a, R: Real>(problem: &'a Problem<R>, x: &'a [R]) -> Room<'a, R> {
     let part = if problem.has_barrier() { MOST_OF_THE_WAY } else { 1.0 };
-    Room { x, bounds: problem.bounds, part, is_fixed }
+    Room { x, bounds: problem.bounds, part, is_fixed: &problem.is_fixed }
 }
 
 /// One univariate step on every vertex with a very short chord, a scan of the grid edge of every
 /// vertex where a curve turns sharply, and sweeps over the awkward ones, each in order.
-fn repair<R: Real>(problem: &Problem<R>, is_fixed: &[bool], x: &mut [R], awkward: &[u32]) {
+fn repair<R: Real>(problem: &Problem<R>, x: &mut [R], awkward: &[u32]) {
     let marks = problem.mark_places(x, |squared_length, cosine| {
         u8::from(squared_length < SHORT_CHORD * SHORT_CHORD) | u8::from(cosine < SHARP_TURN) << 1
     });
     for (v, places) in problem.network.places().iter().enumerate() {
         let mark = places.iter().fold(0, |mark, &place| mark | marks[place as usize]);
-        if is_fixed[v] {
+        if problem.is_fixed[v] {
             continue;
         }
         if mark & 2 != 0 {
@@ -107,7 +100,7 @@ fn repair<R: Real>(problem: &Problem<R>, is_fixed: &[bool], x: &mut [R], awkward
         }
     }
     for _ in 0..AWKWARD_SWEEPS {
-        for &v in awkward.iter().filter(|&&v| !is_fixed[v as usize]) {
+        for &v in awkward.iter().filter(|&&v| !problem.is_fixed[v as usize]) {
             univariate::step(problem, x, v);
         }
     }

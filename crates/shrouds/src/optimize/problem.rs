@@ -1,6 +1,7 @@
 //! The energy of all planar curves as a function of the positions along the grid edges.
 
-use std::ops::Range;
+use std::iter::Sum;
+use std::ops::{Add, Range};
 
 use crate::energy::{CurveEnergy, LANES, Lanes};
 use crate::network::{Network, REPEATED};
@@ -11,6 +12,15 @@ use crate::parallel::{self, NONE};
 /// Largest barrier strength, and the least weight factor `1 − n_p²`.
 const BARRIER_CAP: f64 = 0.01;
 const LEAST_WEIGHT: f32 = 1e-4;
+
+/// What a problem is made of besides the curves.
+pub(super) struct Conditions<'a> {
+    pub(super) energy: &'a dyn CurveEnergy,
+    /// Of the lattice, in units of the smallest one.
+    pub(super) spacing: [f64; 3],
+    /// Between what the positions must stay.
+    pub(super) bounds: [f64; 2],
+}
 
 /// The function to minimise. Weights and barrier depend on the surface; they are frozen while
 /// solving and refreshed by [`Problem::freeze`]. Lengths are in units of the smallest spacing.
@@ -24,6 +34,28 @@ pub(super) struct Problem<'a, R> {
     weights: Vec<[f32; 2]>,
     /// Strength μ of the barrier.
     barrier: f64,
+    /// Whether a vertex must stay where it is.
+    pub(super) is_fixed: Vec<bool>,
+}
+
+/// The energy of a problem, and the part of it that stands at vertices that are not fixed.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Energy {
+    pub(super) all: f64,
+    pub(super) own: f64,
+}
+
+impl Add for Energy {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self { all: self.all + other.all, own: self.own + other.own }
+    }
+}
+
+impl Sum for Energy {
+    fn sum<I: Iterator<Item = Self>>(terms: I) -> Self {
+        terms.fold(Self::default(), |sum, term| sum + term)
+    }
 }
 
 /// The barrier at one position.
@@ -35,20 +67,15 @@ pub(super) struct Barrier {
 
 impl<'a, R: Real> Problem<'a, R> {
     /// The problem with weights as if every slice cut the surface at a right angle, and no barrier.
-    /// `spacing` is that of the lattice in units of the smallest one.
-    pub(super) fn new(
-        network: &'a Network,
-        spacing: [f64; 3],
-        energy: &'a dyn CurveEnergy,
-        bounds: [f64; 2],
-    ) -> Self {
+    pub(super) fn new(network: &'a Network, conditions: &Conditions<'a>) -> Self {
         let mut problem = Self {
             network,
-            energy,
-            table: StepTable::new(spacing),
-            bounds: bounds.map(R::from_f64),
+            energy: conditions.energy,
+            table: StepTable::new(conditions.spacing),
+            bounds: conditions.bounds.map(R::from_f64),
             weights: vec![[0.0; 2]; network.vertex_count()],
             barrier: 0.0,
+            is_fixed: vec![false; network.vertex_count()],
         };
         problem.set_weights(|_| [1.0; 2]);
         problem
@@ -67,7 +94,7 @@ impl<'a, R: Real> Problem<'a, R> {
     pub(super) fn freeze(&mut self, x: &[R]) {
         self.freeze_weights(x);
         if self.energy.barrier() != 0.0 {
-            self.set_barrier(self.curve_value(x));
+            self.set_barrier(self.curve_value(x).all);
         }
     }
 
@@ -77,15 +104,29 @@ impl<'a, R: Real> Problem<'a, R> {
         if exponent == 0.0 {
             return;
         }
-        // With slopes s of the two curves over the grid edge's ends, the normal is (−1, s₁, s₀)
-        // along the edge and the normals of curves 0 and 1.
-        let (network, slopes) = (self.network, self.squared_slopes(x));
+        // With slopes s of the two curves the normal is (−1, s₁, s₀) along the grid edge and along the
+        // normals of curves 0 and 1.
+        let (network, slopes) = (self.network, self.place_slopes(x));
         self.set_weights(|v| {
             let [a, b] = [slopes[network.place(v, 0)], slopes[network.place(v, 1)]];
+            let (a, b) = (a * a, b * b);
             let inverse = 1.0 / (1.0 + a + b);
             let weight = |share: f32| power_of_root(share.max(LEAST_WEIGHT), exponent);
             [weight((1.0 + a) * inverse), weight((1.0 + b) * inverse)]
         });
+    }
+
+    /// The slopes of both curves of every vertex over its grid edge: how far their tangents run along
+    /// the edge for each unit across it, towards the high side. The tangent is that of the circle
+    /// through three vertices.
+    pub(super) fn slopes(&self, x: &[R]) -> Vec<[f32; 2]> {
+        let of_places = self.place_slopes(x);
+        let mut slopes = vec![[0.0; 2]; x.len()];
+        parallel::fill(&mut slopes, |v| {
+            let [a, b] = self.network.places()[v];
+            [of_places[a as usize], of_places[b as usize]]
+        });
+        slopes
     }
 
     /// Sets the barrier for a surface whose curves have this energy.
@@ -94,14 +135,13 @@ impl<'a, R: Real> Problem<'a, R> {
         self.barrier = (self.energy.barrier() * mean).min(BARRIER_CAP);
     }
 
-    /// The squared slope of the curve's tangent over its grid edge at every place: how far it runs
-    /// along the edge for each unit across. The tangent is that of the circle through three vertices.
-    fn squared_slopes(&self, x: &[R]) -> Vec<f32> {
+    /// [`Problem::slopes`], place by place.
+    fn place_slopes(&self, x: &[R]) -> Vec<f32> {
         let mut slopes = vec![0.0; self.network.vertices().len()];
         parallel::update_blocks(&mut slopes, NONE, |first, slopes, []| {
             self.strips(x, first..first + slopes.len(), |strip, places| {
                 for n in (0..places.len()).step_by(LANES) {
-                    let values = squared_slopes(strip, n + REPEATED);
+                    let values = slopes_along(strip, n + REPEATED);
                     let out = places.start - first + n;
                     let count = LANES.min(places.len() - n);
                     slopes[out..out + count].copy_from_slice(&values[..count]);
@@ -130,11 +170,11 @@ impl<'a, R: Real> Problem<'a, R> {
 
     /// The energy at `x`, barrier included.
     pub(super) fn value(&self, x: &[R]) -> f64 {
-        self.curve_value(x) + self.barrier_value(x)
+        (self.curve_value(x) + self.barrier_value(x)).all
     }
 
     /// The energy of the curves at `x`.
-    fn curve_value(&self, x: &[R]) -> f64 {
+    fn curve_value(&self, x: &[R]) -> Energy {
         parallel::sum_blocks(self.network.vertices().len(), |range| {
             let mut rho = vec![R::default(); range.len()];
             self.strips(x, range.clone(), |strip, places| {
@@ -156,26 +196,41 @@ impl<'a, R: Real> Problem<'a, R> {
     }
 
     /// The sum of the values of a range of places, those that repeat others left out.
-    pub(super) fn sum_over_curves(&self, range: Range<usize>, values: &[R]) -> f64 {
+    pub(super) fn sum_over_curves(&self, range: Range<usize>, values: &[R]) -> Energy {
         let first = range.start;
-        let sum = |part: Range<usize>| {
-            values[part.start - first..part.end - first].iter().map(|x| x.to_f64()).sum::<f64>()
+        let vertices = self.network.vertices();
+        let part = |part: Range<usize>| {
+            let mut sum = Energy::default();
+            for (value, &v) in values[part.start - first..].iter().zip(&vertices[part]) {
+                let value = value.to_f64();
+                sum.all += value;
+                sum.own += if self.is_fixed[v as usize] { 0.0 } else { value };
+            }
+            sum
         };
-        self.network.curve_parts(range).map(sum).sum()
+        self.network.curve_parts(range).map(part).sum()
     }
 
     /// The barrier of all vertices.
-    pub(super) fn barrier_value(&self, x: &[R]) -> f64 {
+    pub(super) fn barrier_value(&self, x: &[R]) -> Energy {
         if self.barrier == 0.0 {
-            return 0.0;
+            return Energy::default();
         }
         // One logarithm for several factors: their product stays far from the smallest number.
         const FACTORS: usize = 16;
-        let factor = |x: &R| 4.0 * x.to_f64() * (1.0 - x.to_f64());
-        let logarithms = parallel::sum_blocks(x.len(), |range| {
-            x[range].chunks(FACTORS).map(|x| x.iter().map(factor).product::<f64>().ln()).sum()
-        });
-        -self.barrier * logarithms
+        let logarithm = |(x, is_fixed): (&[R], &[bool])| {
+            let (mut all, mut own) = (1.0, 1.0);
+            for (x, &is_fixed) in x.iter().zip(is_fixed) {
+                let factor = 4.0 * x.to_f64() * (1.0 - x.to_f64());
+                all *= factor;
+                own *= if is_fixed { 1.0 } else { factor };
+            }
+            Energy { all: -self.barrier * all.ln(), own: -self.barrier * own.ln() }
+        };
+        parallel::sum_blocks(x.len(), |range| {
+            let chunks = x[range.clone()].chunks(FACTORS);
+            chunks.zip(self.is_fixed[range].chunks(FACTORS)).map(logarithm).sum()
+        })
     }
 
     /// Calls `f` with all strips of the places in `range`, but for the very first and last places of
@@ -340,9 +395,9 @@ fn single<R: Real>([u, v]: [Lanes<R>; 2]) -> [Lanes<f32>; 2] {
     single
 }
 
-/// See [`Problem::squared_slopes`].
+/// See [`Problem::slopes`].
 #[inline(always)]
-fn squared_slopes<R: Real>(strip: &Strip<R>, n: usize) -> Lanes<f32> {
+fn slopes_along<R: Real>(strip: &Strip<R>, n: usize) -> Lanes<f32> {
     let (before, after) = (single(strip.chords(n - 1)), single(strip.chords(n)));
     let moves = single(strip.moves(n));
     let mut slopes = [0.0; LANES];
@@ -354,7 +409,7 @@ fn squared_slopes<R: Real>(strip: &Strip<R>, n: usize) -> Lanes<f32> {
         let tangent = [wa * a[0] + wb * b[0], wa * a[1] + wb * b[1]];
         let along = tangent[0] * moves[0][l] + tangent[1] * moves[1][l];
         let across = tangent[0] * moves[1][l] + tangent[1] * moves[0][l];
-        slopes[l] = (along * along) / (across * across);
+        slopes[l] = along / across;
     }
     slopes
 }

@@ -3,8 +3,6 @@
 //! What the solver keeps for a vertex is many times what remains of it; worked on by tiles, that
 //! stays in the processor's cache, and the memory is that of the positions alone.
 
-use std::ops::ControlFlow;
-
 use crate::optimize::conjugate::Effort;
 use crate::optimize::newton::Newton;
 use crate::optimize::problem::{Conditions, Problem};
@@ -28,9 +26,11 @@ const fn iterations(count: usize) -> Effort {
 
 /// What a preset does; nothing for the one that converges.
 pub(super) fn passes(preset: Preset) -> Option<Passes> {
+    const FAST: Passes = &[&[iterations(20)]];
+    const DEFAULT: Passes = &[&[iterations(10), iterations(20)], &[iterations(30)]];
     match preset {
-        Preset::Fast => Some(&[&[iterations(20)]]),
-        Preset::Default => Some(&[&[iterations(10), iterations(20)], &[iterations(30)]]),
+        Preset::Fast => Some(FAST),
+        Preset::Default => Some(DEFAULT),
         Preset::Exact => None,
     }
 }
@@ -111,4 +111,74 @@ pub(super) fn relax(
         }
     }
     relaxed
+}
+
+/// Works on one tile: the steps of some passes, weights and barrier frozen anew for each.
+fn visit(tile: &Tile, conditions: &Conditions, passes: &[&[Effort]], x: &[f32]) -> Visit {
+    let mut x = tile.read(x);
+    let mut problem = Problem::new(&tile.network, conditions);
+    problem.is_fixed = tile.is_fixed();
+    let mut newton = Newton::new(&tile.network);
+    let mut energies = Vec::new();
+    for steps in passes {
+        problem.freeze_weights(&x);
+        let mut energy = newton.model.linearise_with_new_barrier(&mut problem, &x);
+        let mut own = vec![energy.own];
+        for effort in *steps {
+            let Some(lower) = newton.step(&problem, &mut x, energy, effort) else { break };
+            energy = lower;
+            own.push(energy.own);
+        }
+        energies.push(own);
+    }
+    let stationarity = Stationarity::of(&newton.model, &x, problem.bounds, &problem.is_fixed);
+    let slopes = problem.slopes(&x);
+    Visit { x, energies, stationarity, slopes }
+}
+
+/// What the tiles of some passes brought so far.
+struct Pass {
+    /// For each pass the sums over the tiles before it and after every step.
+    energies: Vec<Vec<f64>>,
+    stationarity: Stationarity,
+    status: Status,
+}
+
+impl Pass {
+    fn new(passes: &[&[Effort]], is_last: bool) -> Self {
+        Self {
+            energies: passes.iter().map(|steps| vec![0.0; steps.len() + 1]).collect(),
+            stationarity: Stationarity::default(),
+            status: if is_last { Status::Preset } else { Status::IterationLimit },
+        }
+    }
+
+    fn add(&mut self, visit: Visit) {
+        for (sums, found) in self.energies.iter_mut().zip(visit.energies) {
+            for (n, sum) in sums.iter_mut().enumerate() {
+                // A tile that could not go lower stays where it is.
+                *sum += found[n.min(found.len() - 1)];
+            }
+        }
+        self.stationarity.add(visit.stationarity);
+    }
+
+    fn progress(&self, pass: usize, passes: usize, fraction: f64) -> Progress {
+        Progress {
+            iteration: pass + 1,
+            energy: self.energies.last().and_then(|e| e.last()).copied().unwrap_or_default(),
+            change: self.stationarity.step_rms(),
+            tolerance: 0.0,
+            share_done: Some((pass as f64 + fraction) / passes as f64),
+        }
+    }
+
+    fn into_rounds(self) -> impl Iterator<Item = Round> {
+        let last = self.energies.len() - 1;
+        let status = self.status;
+        self.energies.into_iter().enumerate().map(move |(n, energies)| Round {
+            energies,
+            status: if n == last { status } else { Status::IterationLimit },
+        })
+    }
 }

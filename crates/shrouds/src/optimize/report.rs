@@ -1,7 +1,6 @@
 //! What an optimisation says about itself.
 
 use crate::optimize::model::Model;
-use crate::optimize::problem::Problem;
 use crate::optimize::real::Real;
 
 /// How an optimisation ended.
@@ -11,6 +10,8 @@ pub enum Status {
     Converged,
     /// No step lowers the energy any more, though the stop rule is not satisfied.
     Stalled,
+    /// The preset's steps are done, without a claim to have converged.
+    Preset,
     /// The iterations ran out.
     IterationLimit,
     /// The observer stopped it.
@@ -25,6 +26,7 @@ impl Status {
         match self {
             Self::Converged => "converged",
             Self::Stalled => "stalled",
+            Self::Preset => "preset done",
             Self::IterationLimit => "iteration limit",
             Self::Cancelled => "cancelled",
             Self::Empty => "empty",
@@ -54,7 +56,8 @@ pub struct Report {
     pub status: Status,
     /// Iterations (Gauss–Newton steps or sweeps) over all rounds.
     pub iterations: usize,
-    /// Energy of the start and of the result, both with the weights and barrier of the last round.
+    /// Energy of the start and of the result. Both with the weights and barrier of the last round,
+    /// but with a preset that does not converge each with those in force.
     pub energy: [f64; 2],
     /// Euclidean norm of the projected gradient of the energy with respect to the positions: zero
     /// components where a bound holds the vertex.
@@ -76,22 +79,40 @@ pub(super) struct Stationarity {
     gradient_squared: f64,
     step_squared: f64,
     step_max: f64,
+    at_bound: usize,
     count: usize,
 }
 
 impl Stationarity {
-    pub(super) fn of<R: Real>(model: &Model<R>, x: &[R], bounds: [R; 2]) -> Self {
-        let mut sum = Self { count: x.len(), ..Self::default() };
-        for (v, &x) in x.iter().enumerate() {
+    /// That of the vertices that are not fixed.
+    pub(super) fn of<R: Real>(
+        model: &Model<R>,
+        x: &[R],
+        bounds: [R; 2],
+        is_fixed: &[bool],
+    ) -> Self {
+        let mut sum = Self::default();
+        let [low, high] = bounds;
+        for (v, &x) in x.iter().enumerate().filter(|&(v, _)| !is_fixed[v]) {
             let gradient = model.gradient(v);
-            let [low, high] = bounds;
             let held = (x <= low && gradient > 0.0) || (x >= high && gradient < 0.0);
             let step = model.lone_step(v, x, bounds);
             sum.gradient_squared += if held { 0.0 } else { gradient * gradient };
             sum.step_squared += step * step;
             sum.step_max = sum.step_max.max(step.abs());
+            sum.at_bound += usize::from(x <= low || x >= high);
+            sum.count += 1;
         }
         sum
+    }
+
+    /// Takes in that of other vertices.
+    pub(super) fn add(&mut self, other: Self) {
+        self.gradient_squared += other.gradient_squared;
+        self.step_squared += other.step_squared;
+        self.step_max = self.step_max.max(other.step_max);
+        self.at_bound += other.at_bound;
+        self.count += other.count;
     }
 
     pub(super) fn step_rms(&self) -> f64 {
@@ -100,30 +121,24 @@ impl Stationarity {
 }
 
 impl Report {
-    pub(super) fn new<R: Real>(
-        problem: &Problem<R>,
-        rounds: Vec<Round>,
-        first: &[R],
-        x: &[R],
-    ) -> Self {
-        let mut model = Model::new(problem.network);
-        model.linearise(problem, x);
-        let stationarity = Stationarity::of(&model, x, problem.bounds);
-        let [low, high] = problem.bounds;
-        let status = match rounds.last() {
-            _ if x.is_empty() => Status::Empty,
-            Some(round) => round.status,
-            None => Status::IterationLimit,
+    /// The report of an optimisation that took these rounds and ended like this; `first` is the
+    /// energy of the start under the last weights, where that was found out.
+    pub(super) fn new(rounds: Vec<Round>, stationarity: &Stationarity, first: Option<f64>) -> Self {
+        let energy_of = |round: Option<&Round>, last: bool| {
+            let energies = round.map_or(&[][..], |round| &round.energies);
+            (if last { energies.last() } else { energies.first() }).copied().unwrap_or_default()
         };
-        let held = x.iter().filter(|&&x| x <= low || x >= high).count();
         Self {
-            status,
+            status: rounds.last().map_or(Status::Empty, |round| round.status),
             iterations: rounds.iter().map(|round| round.energies.len() - 1).sum(),
-            energy: [problem.value(first), problem.value(x)],
+            energy: [
+                first.unwrap_or(energy_of(rounds.first(), false)),
+                energy_of(rounds.last(), true),
+            ],
             projected_gradient: stationarity.gradient_squared.sqrt(),
             projected_step_rms: stationarity.step_rms(),
             projected_step_max: stationarity.step_max,
-            at_bound: held as f64 / x.len().max(1) as f64,
+            at_bound: stationarity.at_bound as f64 / stationarity.count.max(1) as f64,
             rounds,
         }
     }

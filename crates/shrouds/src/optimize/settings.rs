@@ -17,6 +17,18 @@ pub enum Solver {
     Sweeps,
 }
 
+/// How much work the default method puts into coming near the minimum.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub enum Preset {
+    /// One step: smooth to the eye, at the least cost.
+    Fast,
+    /// Three steps: within a few hundredths of a voxel of the minimum.
+    #[default]
+    Default,
+    /// Steps until the stop rule is satisfied.
+    Exact,
+}
+
 /// Where the vertices start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Start {
@@ -36,12 +48,14 @@ pub struct Settings {
     pub energy: Arc<dyn CurveEnergy>,
     /// The method. Default [`Solver::Newton`].
     pub solver: Solver,
+    /// How much work [`Solver::Newton`] does. Default [`Preset::Default`].
+    pub preset: Preset,
     /// Where to start from. Default [`Start::Blur`].
     pub start: Start,
     /// δ stays within `[margin, 1 − margin]`, so that no vertex touches a lattice point.
     /// Range [1e-6, 0.1]; default 0.002.
     pub margin: f64,
-    /// When to stop. `Newton`: when the root mean square of the projected step falls to it and the
+    /// When to stop. `Newton` with [`Preset::Exact`]: when the root mean square of the projected step falls to it and the
     /// last step lowered the energy by at most that part of it. `Sweeps`: when
     /// ‖δᵏ − δᵏ⁺¹‖/‖δᵏ⁺¹‖ falls to it, the paper's rule. Range (0, 1); default 5e-4 for `Newton`,
     /// 1e-6 for `Sweeps`.
@@ -55,6 +69,7 @@ impl Default for Settings {
         Self {
             energy: Arc::new(Bending),
             solver: Solver::default(),
+            preset: Preset::default(),
             start: Start::default(),
             margin: 0.002,
             tolerance: None,
@@ -102,8 +117,10 @@ pub struct Progress {
     pub energy: f64,
     /// What the stop rule looks at, and the value at which it stops.
     pub change: f64,
-    /// The tolerance that `change` has to reach.
+    /// The tolerance that `change` has to reach; 0 where it need not reach any.
     pub tolerance: f64,
+    /// The share of the work that is done, from 0 to 1, where that is known beforehand.
+    pub share_done: Option<f64>,
 }
 
 /// Told after every iteration; [`ControlFlow::Break`] stops the optimisation with what it has.

@@ -1,33 +1,42 @@
 //! Where the vertices start.
 
-use crate::optimize::blur::{Blur, HALF};
+use crate::optimize::blur::{Blur, Filter, HALF};
 use crate::optimize::settings::Start;
 use crate::parallel;
 use crate::random::uniform;
 use crate::surface::Surface;
 
-/// Positions from the low end of every grid edge, in [0, 1].
-pub(super) fn positions(surface: &Surface, start: &Start) -> Vec<f64> {
+/// Positions from the low end of every grid edge, within the bounds; `spacing` is in units of the
+/// smallest one.
+pub(super) fn positions(
+    surface: &Surface,
+    start: &Start,
+    spacing: [f64; 3],
+    bounds: [f64; 2],
+) -> Vec<f32> {
+    let [low, high] = bounds.map(|bound| bound as f32);
     let mut x = vec![0.5; surface.vertex_count()];
     match *start {
         Start::Midpoint => {}
-        Start::Blur => blur(surface, &mut x),
-        Start::Random(seed) => parallel::fill(&mut x, |v| uniform(seed, v as u64)),
+        Start::Blur => blur(surface, spacing, &mut x),
+        Start::Random(seed) => parallel::fill(&mut x, |v| uniform(seed, v as u64) as f32),
     }
+    x.iter_mut().for_each(|x| *x = x.clamp(low, high));
     x
 }
 
 /// Slices per piece of work; each needs some more on both sides.
 const SLAB: usize = 32;
 
-/// Where the occupancy, blurred by one voxel along every axis, passes one half on the way from one
+/// Where the occupancy, blurred by about a voxel along every axis, passes one half on the way from one
 /// end of the grid edge to the other.
-fn blur(surface: &Surface, x: &mut [f64]) {
+fn blur(surface: &Surface, spacing: [f64; 3], x: &mut [f32]) {
+    let filter = Filter::new(spacing);
     let slices = surface.slice_count();
     let slabs = slices.div_ceil(SLAB);
     let ends = (1..=slabs).map(|n| surface.slice_vertices((n * SLAB).min(slices) - 1).end as usize);
     parallel::pieces(x, ends, |slab, x| {
-        let mut blur = Blur::new(surface);
+        let mut blur = Blur::new(surface, &filter);
         let [mut here, mut above] = [blur.slice(), blur.slice()];
         let mut x = x.iter_mut();
         let first = slab * SLAB;
@@ -52,6 +61,6 @@ fn blur(surface: &Surface, x: &mut [f64]) {
 
 /// Where a line from `low` to `high` passes 0, and not too near its ends. A thin part may blur away:
 /// then it passes beyond an end.
-fn passing(low: i32, high: i32) -> f64 {
-    if low == high { 0.5 } else { (f64::from(low) / f64::from(low - high)).clamp(0.02, 0.98) }
+fn passing(low: i32, high: i32) -> f32 {
+    if low == high { 0.5 } else { (low as f32 / (low - high) as f32).clamp(0.02, 0.98) }
 }

@@ -1,7 +1,8 @@
 //! The paper's method: sequential sweeps of univariate minimisation (section 2).
 
+use crate::optimize::model::Model;
 use crate::optimize::problem::Problem;
-use crate::optimize::report::{Round, Status};
+use crate::optimize::report::{Round, Stationarity, Status};
 use crate::optimize::settings::{Observer, Progress, Settings};
 use crate::optimize::univariate::minimise;
 use crate::surface::Surface;
@@ -16,7 +17,7 @@ pub(super) fn solve(
     x: &mut [f64],
     settings: &Settings,
     observer: &mut Observer,
-) -> Vec<Round> {
+) -> (Vec<Round>, Stationarity) {
     const REFRESHED_SWEEPS: usize = 3;
     let tolerance = settings.tolerance();
     let mut rounds: Vec<Round> = Vec::new();
@@ -31,7 +32,13 @@ pub(super) fn solve(
         }
         let energy = problem.value(x);
         let change = relative_change(surface, &old, x);
-        let progress = Progress { iteration: sweep + 1, energy, change, tolerance };
+        let progress = Progress {
+            iteration: sweep + 1,
+            energy,
+            change,
+            tolerance,
+            share_done: None,
+        };
         let stopped = observer(progress).is_break();
         let last_refreshed = sweep + 1 >= REFRESHED_SWEEPS || !problem.needs_freezing();
         let status = match () {
@@ -47,7 +54,9 @@ pub(super) fn solve(
             break;
         }
     }
-    rounds
+    let mut model = Model::new(problem.network);
+    model.linearise(problem, x);
+    (rounds, Stationarity::of(&model, x, problem.bounds, &problem.is_fixed))
 }
 
 /// ‖δᵏ − δᵏ⁺¹‖/‖δᵏ⁺¹‖ between two states.

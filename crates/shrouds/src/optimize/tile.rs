@@ -10,11 +10,22 @@ use crate::surface::Surface;
 const BELOW: usize = 2;
 const ABOVE: usize = 3;
 
+/// Smallest edge of a tile in lattice rows; those around it are worked on twice.
+const MIN_EDGE: f64 = 24.0;
+
 /// The rows of a tile: those of some slices between two y indices, whole along x.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct TileRows {
     pub(super) y: Range<usize>,
     pub(super) z: Range<usize>,
+}
+
+impl TileRows {
+    /// The rows of a whole surface.
+    pub(super) fn all(surface: &Surface) -> Self {
+        let [_, ny, nz] = surface.grid().dims();
+        Self { y: 0..ny, z: 0..nz }
+    }
 }
 
 /// The curves through some lattice rows, with enough around them to know their energy.
@@ -48,11 +59,11 @@ impl<'a> Tile<'a> {
         own
     }
 
-    /// Puts the positions of the tile's own rows back.
-    pub(super) fn write(&self, own: &[f32], x: &mut [f32]) {
+    /// Puts what is known of the vertices of the tile's own rows to that of all.
+    pub(super) fn write<T: Copy>(&self, own: &[T], all: &mut [T]) {
         self.for_each_row(|is_own, here, there| {
             if is_own {
-                x[there].copy_from_slice(&own[here]);
+                all[there].copy_from_slice(&own[here]);
             }
         });
     }
@@ -83,16 +94,15 @@ impl<'a> Tile<'a> {
 
 /// Cuts the lattice rows that the surface passes into tiles of about `vertices` vertices each, four
 /// colours of them: two tiles of one colour never touch. With `shifted` the borders run through the
-/// middles of the tiles without. One tile, if that holds everything.
+/// middles of the tiles without.
 pub(super) fn partition(surface: &Surface, vertices: usize, shifted: bool) -> [Vec<TileRows>; 4] {
     let [_, ny, nz] = surface.grid().dims();
     let mut colours: [Vec<TileRows>; 4] = Default::default();
-    let [y, z] = [ny, nz];
-    let count = surface.vertex_count().div_ceil(vertices.max(1));
+    let count = surface.vertex_count().div_ceil(vertices);
     let occupied = surface.occupied_rows();
     // Square tiles over the rows between the first and the last with vertices.
-    let [height, depth] = occupied.clone().map(|range| range.len().max(1));
-    let edge = ((height * depth) as f64 / count as f64).sqrt().max(MIN_EDGE);
+    let area: usize = occupied.iter().map(|range| range.len()).product();
+    let edge = (area as f64 / count as f64).sqrt().max(MIN_EDGE);
     let cuts = |range: &Range<usize>, end: usize| -> Vec<usize> {
         let parts = (range.len() as f64 / edge).round().max(1.0) as usize;
         let half = usize::from(shifted && parts > 1);
@@ -100,7 +110,7 @@ pub(super) fn partition(surface: &Surface, vertices: usize, shifted: bool) -> [V
             .map(|n| range.start + (2 * n - half) * range.len() / (2 * parts));
         std::iter::once(0).chain(inner).chain([end]).collect()
     };
-    let (y, z) = (cuts(&occupied[0], y), cuts(&occupied[1], z));
+    let (y, z) = (cuts(&occupied[0], ny), cuts(&occupied[1], nz));
     for (b, z) in z.windows(2).enumerate() {
         for (a, y) in y.windows(2).enumerate() {
             colours[a % 2 + 2 * (b % 2)].push(TileRows { y: y[0]..y[1], z: z[0]..z[1] });
@@ -108,6 +118,3 @@ pub(super) fn partition(surface: &Surface, vertices: usize, shifted: bool) -> [V
     }
     colours
 }
-
-/// Smallest edge of a tile in lattice rows; those around it are worked on twice.
-const MIN_EDGE: f64 = 24.0;

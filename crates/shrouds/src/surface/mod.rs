@@ -28,6 +28,7 @@ pub use cell::LoopShape;
 pub use crossing::Crossing;
 
 use std::ops::Range;
+use std::sync::OnceLock;
 
 use crate::grid::Grid;
 use crate::volume::{Border, FaceRule, Occupancy};
@@ -49,8 +50,8 @@ pub struct Surface {
     /// of all vertices at the end.
     rows: Vec<[u32; 3]>,
     /// Numbers of the first patch and the first fixed triangle of every layer, and those of all at
-    /// the end.
-    layers: Vec<(u32, usize)>,
+    /// the end; counted when they are first asked for.
+    layers: OnceLock<Vec<(u32, usize)>>,
 }
 
 impl Surface {
@@ -81,7 +82,7 @@ impl Surface {
 
     /// Number of patches.
     pub fn patch_count(&self) -> usize {
-        self.layers[self.layer_count()].0 as usize
+        self.layers()[self.layer_count()].0 as usize
     }
 
     /// Number of slices.
@@ -91,7 +92,7 @@ impl Surface {
 
     /// Number of layers: layer `k` lies between slices `k` and `k + 1`.
     pub fn layer_count(&self) -> usize {
-        self.layers.len() - 1
+        self.slice_count() - 1
     }
 
     /// Vertices whose grid edges start in slice `k`.
@@ -108,7 +109,11 @@ impl Surface {
     /// # Panics
     /// When there is no such layer.
     pub fn layer_patches(&self, layer: usize) -> Range<u32> {
-        self.layers[layer].0..self.layers[layer + 1].0
+        self.layers()[layer].0..self.layers()[layer + 1].0
+    }
+
+    fn layers(&self) -> &[(u32, usize)] {
+        self.layers.get_or_init(|| extract::count_layers(&self.volume, self.face_rule))
     }
 
     /// The lattice points the surface separates, those of a closed border included.
@@ -141,6 +146,7 @@ impl Surface {
         [y, z]
     }
 
+    #[inline]
     fn first_vertex(&self, row: usize) -> u32 {
         self.rows[row][0]
     }
