@@ -8,7 +8,7 @@
 //! vertices, and four triangles meet at them; so the middle of each of the face's two network
 //! segments becomes a vertex of its own.
 
-use crate::mesh::fit::{Corners, misfit};
+use crate::mesh::fit::{self, Fit, misfit};
 use crate::mesh::{TriMesh, Triangles};
 use crate::parallel;
 use crate::surface::triangulation::cheapest;
@@ -151,14 +151,13 @@ fn polygons(
         let v = surface.slice_vertices(k).end;
         2 * v as usize + middles_before(v)
     };
-    let cutter = Cutter::new(surface, vertices, triangles);
+    let frame = Frame::new(surface, vertices);
     let slices = 0..surface.slice_count();
     let mut all = vec![[0; 3]; slices.clone().last().map_or(0, end)];
     parallel::pieces(&mut all, slices.map(end), |slice, piece| {
-        let mut slots = piece.iter_mut();
         let first = surface.slice_vertices(slice).start;
         let mut middles = &middles[middles_before(first)..];
-        let mut corners = Corners::default();
+        let (mut fit, mut at) = (Fit::default(), 0);
         for (v, crossing) in (first..).zip(surface.slice_crossings(slice)) {
             let own = middles.iter().take_while(|middle| middle.end == v).count();
             let mut polygon = Polygon::around(around[v as usize], &middles[..own]);
@@ -166,10 +165,14 @@ fn polygons(
             if !crossing.inside_low() {
                 polygon.corners[..polygon.count].reverse();
             }
-            cutter.cut(&polygon, network_normals[v as usize], &mut corners, |triangle| {
-                slots.next().into_iter().for_each(|slot| *slot = triangle);
-            });
+            let polygon = Placed::new(&frame, &polygon, network_normals[v as usize]);
+            match (triangles, polygon.count()) {
+                (Triangles::Fitted, 4) => fit.push(&polygon, at, piece),
+                _ => polygon.cut(triangles, &mut piece[at..]),
+            }
+            at += polygon.count() - 2;
         }
+        fit.finish(piece);
     });
     all
 }
@@ -206,60 +209,70 @@ impl Polygon {
     }
 }
 
-/// Cuts polygons into triangles.
-struct Cutter<'a> {
+/// Where the vertices of the dual are.
+struct Frame<'a> {
     vertices: &'a [Vector],
-    triangles: Triangles,
     /// World lengths in units of the smallest spacing.
     unit: f64,
     /// −1 where mirrored axes turn the polygons clockwise in the world.
     sign: f32,
 }
 
-impl<'a> Cutter<'a> {
-    fn new(surface: &Surface, vertices: &'a [Vector], triangles: Triangles) -> Self {
+impl<'a> Frame<'a> {
+    fn new(surface: &Surface, vertices: &'a [Vector]) -> Self {
         let sign = if surface.grid().is_mirrored() { -1.0 } else { 1.0 };
-        Self { vertices, triangles, unit: surface.grid().min_spacing().recip(), sign }
+        Self { vertices, unit: surface.grid().min_spacing().recip(), sign }
+    }
+}
+
+/// A polygon with its places relative to its first corner.
+struct Placed<'a> {
+    polygon: &'a Polygon,
+    vertices: [u32; 8],
+    frame: &'a Frame<'a>,
+    origin: Vector,
+    normal: [f32; 3],
+}
+
+impl<'a> Placed<'a> {
+    #[inline]
+    fn new(frame: &'a Frame, polygon: &'a Polygon, normal: [f32; 3]) -> Self {
+        let vertices = polygon.corners.map(|(vertex, _)| vertex);
+        let origin = frame.vertices[vertices[0] as usize];
+        Self { polygon, vertices, frame, origin, normal: normal.map(|x| frame.sign * x) }
     }
 
-    fn cut(
-        &self,
-        polygon: &Polygon,
-        normal: [f32; 3],
-        corners: &mut Corners,
-        mut push: impl FnMut([u32; 3]),
-    ) {
-        let polygon_corners = &polygon.corners[..polygon.count];
-        let vertex = |i: usize| polygon_corners[i].0;
-        let direction = normal.map(|x| self.sign * x);
-        let origin = self.vertices[vertex(0) as usize];
-        let place = |v: u32| {
-            subtract(self.vertices[v as usize], origin).map(|x| (self.unit * x) as f32)
+    fn count(&self) -> usize {
+        self.polygon.count
+    }
+
+    /// Cuts the polygon by its legal diagonals.
+    fn cut(&self, triangles: Triangles, out: &mut [[u32; 3]]) {
+        let cost = |i, k, j| match triangles {
+            Triangles::Fixed => 0.0,
+            Triangles::Fitted => {
+                let [a, b, c] = [i, k, j].map(|n| fit::Polygon::corner(self, n).0);
+                let side = |p: [f32; 3]| std::array::from_fn(|k| p[k] - a[k]);
+                misfit(side(b), side(c), self.normal)
+            }
         };
-        let mut push = |a, b, c| push([vertex(a), vertex(b), vertex(c)]);
-        match (self.triangles, polygon.count) {
-            (Triangles::Fixed, 4) => {
-                push(0, 1, 3);
-                push(1, 2, 3);
-            }
-            (Triangles::Fitted, 4) => {
-                corners.read(polygon_corners.iter().map(|&(v, _)| (place(v), direction)));
-                corners.triangulate(push);
-            }
-            (_, count) => {
-                let cost = |i, k, j| match self.triangles {
-                    Triangles::Fixed => 0.0,
-                    Triangles::Fitted => {
-                        misfit([i, k, j].map(|corner| place(vertex(corner))), direction)
-                    }
-                };
-                let mut local = Vec::new();
-                cheapest(count, |i, j| polygon.is_legal(i, j), cost, &mut local);
-                local.iter().for_each(|t| {
-                    let [a, b, c] = t.map(usize::from);
-                    push(a, b, c);
-                });
-            }
+        let mut local = Vec::new();
+        cheapest(self.count(), |i, j| self.polygon.is_legal(i, j), cost, &mut local);
+        for (slot, triangle) in out.iter_mut().zip(local) {
+            *slot = triangle.map(|corner| self.vertices[usize::from(corner)]);
         }
+    }
+}
+
+impl fit::Polygon for Placed<'_> {
+    #[inline(always)]
+    fn vertices(&self) -> &[u32] {
+        &self.vertices[..self.count()]
+    }
+
+    #[inline(always)]
+    fn corner(&self, n: usize) -> ([f32; 3], [f32; 3]) {
+        let place = subtract(self.frame.vertices[self.vertices[n] as usize], self.origin);
+        (place.map(|x| (self.frame.unit * x) as f32), self.normal)
     }
 }

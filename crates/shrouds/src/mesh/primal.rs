@@ -1,6 +1,6 @@
 //! Patches cut into triangles.
 
-use crate::mesh::fit::Corners;
+use crate::mesh::fit::{Fit, Polygon};
 use crate::parallel;
 use crate::surface::Surface;
 use crate::vector::{Vector, subtract};
@@ -15,25 +15,49 @@ pub(super) fn fitted(surface: &Surface, vertices: &[Vector], normals: &[[f32; 3]
     let mut triangles = vec![[0; 3]; surface.triangle_count()];
     let ends = (0..surface.layer_count()).map(|layer| surface.layer_triangles(layer).end);
     parallel::pieces(&mut triangles, ends, |layer, piece| {
-        let mut corners = Corners::default();
-        let mut slots = piece.iter_mut();
-        let mut push = |triangle: [u32; 3]| {
-            if let Some(slot) = slots.next() {
-                *slot = triangle;
+        let mut fit = Fit::default();
+        let mut at = 0;
+        surface.for_each_patch(layer, |patch, shape| {
+            match *patch {
+                [a, b, c] => piece[at] = [a, b, c],
+                [first, ..] if shape.is_free() => {
+                    let origin = vertices[first as usize];
+                    let patch = Patch { patch, vertices, normals, origin, unit, sign };
+                    fit.push(&patch, at, piece);
+                }
+                _ => {
+                    for (slot, triangle) in piece[at..].iter_mut().zip(shape.fixed_triangles(patch)) {
+                        *slot = triangle;
+                    }
+                }
             }
-        };
-        surface.for_each_patch(layer, |patch, shape| match *patch {
-            [a, b, c] => push([a, b, c]),
-            [first, ..] if shape.is_free() => {
-                let origin = vertices[first as usize];
-                corners.read(patch.iter().map(|&v| {
-                    let position = subtract(vertices[v as usize], origin);
-                    (position.map(|x| (unit * x) as f32), normals[v as usize].map(|x| sign * x))
-                }));
-                corners.triangulate(|a, b, c| push([patch[a], patch[b], patch[c]]));
-            }
-            _ => shape.fixed_triangles(patch).for_each(&mut push),
+            at += patch.len() - 2;
         });
+        fit.finish(piece);
     });
     triangles
+}
+
+/// A patch with its places relative to its first corner.
+struct Patch<'a> {
+    patch: &'a [u32],
+    vertices: &'a [Vector],
+    normals: &'a [[f32; 3]],
+    origin: Vector,
+    unit: f64,
+    sign: f32,
+}
+
+impl Polygon for Patch<'_> {
+    #[inline(always)]
+    fn vertices(&self) -> &[u32] {
+        self.patch
+    }
+
+    #[inline(always)]
+    fn corner(&self, n: usize) -> ([f32; 3], [f32; 3]) {
+        let v = self.patch[n] as usize;
+        let place = subtract(self.vertices[v], self.origin).map(|x| (self.unit * x) as f32);
+        (place, self.normals[v].map(|x| self.sign * x))
+    }
 }
