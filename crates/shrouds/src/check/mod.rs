@@ -9,15 +9,18 @@
 
 mod crossing;
 mod curve;
+mod fans;
 mod found;
 mod intersection;
 mod predicates;
 mod report;
 mod separation;
 mod structure;
+mod union;
 mod voxel_components;
 mod voxel_rows;
 mod voxel_topology;
+mod windows;
 
 pub use found::Found;
 pub use report::CheckReport;

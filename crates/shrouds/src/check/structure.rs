@@ -4,8 +4,14 @@
 //! corners, give the edges that leave it, and joining them across those edges gives its fans. Memory
 //! is a list of the triangles around each vertex and a few words per triangle.
 
+use std::ops::Range;
+
 use crate::check::found::Found;
-use crate::check::predicates::{COORDINATE_LIMIT, Corners, area_vector, dot, is_degenerate};
+use crate::check::fans;
+use crate::check::predicates::{COORDINATE_LIMIT, Corners, area_vector, dot};
+use crate::check::predicates::{is_degenerate, is_surely_proper};
+use crate::check::union::{find, join};
+use crate::check::windows::Windows;
 use crate::error::Error;
 use crate::mesh::TriMesh;
 use crate::parallel;
@@ -102,13 +108,26 @@ pub fn structure(mesh: &TriMesh) -> Result<Structure, Error> {
 /// [`structure`], and all boundary edges.
 pub(super) fn examine(mesh: &TriMesh) -> Result<(Structure, Vec<[u32; 2]>), Error> {
     refuse_damage(mesh)?;
-    let mut walk = Walk::new(mesh);
-    walk.run(mesh);
-    let (mut structure, boundary) = walk.finish(mesh);
+    let (mut structure, boundary) = match Windows::new(mesh).as_ref().and_then(fans::closed_parts) {
+        Some(components) => (closed(mesh, components), Vec::new()),
+        None => {
+            let mut walk = Walk::new(mesh);
+            walk.run(mesh);
+            walk.finish(mesh)
+        }
+    };
     structure.unused_vertices = mesh.vertices.len() as u64 - structure.vertices;
     structure.triangles = mesh.triangles.len() as u64;
     measure(mesh, &mut structure);
     Ok((structure, boundary))
+}
+
+/// The structure of a closed manifold with these components.
+fn closed(mesh: &TriMesh, components: Vec<Component>) -> Structure {
+    let edges = mesh.triangles.len() as u64 / 2 * 3;
+    let euler: i64 = components.iter().map(|component| component.euler).sum();
+    let vertices = (euler + mesh.triangles.len() as i64 / 2) as u64;
+    Structure { vertices, edges, components, ..Structure::default() }
 }
 
 /// The corners of triangle `index`.
@@ -138,34 +157,60 @@ fn refuse_damage(mesh: &TriMesh) -> Result<(), Error> {
     }
 }
 
+/// What one block of triangles measures.
+#[derive(Default)]
+struct Measured {
+    area: f64,
+    volume: f64,
+    /// The smallest area that is not zero.
+    smallest: f64,
+    degenerate: Found<u32>,
+}
+
 fn measure(mesh: &TriMesh, structure: &mut Structure) {
     let count = mesh.triangles.len();
-    let area = |t: usize| {
-        let normal = area_vector(&corners(mesh, t));
-        0.5 * dot(normal, normal).sqrt()
-    };
-    structure.area = parallel::sum(count, area);
     let centre = centre(&mesh.vertices);
-    structure.volume = parallel::sum(count, |t| {
-        let triangle = corners(mesh, t).map(|p| std::array::from_fn(|d| p[d] - centre[d]));
-        dot(triangle[0], area_vector(&triangle)) / 6.0
-    });
+    let blocks = parallel::blocks(count, BLOCK, |range| measure_block(mesh, centre, range));
+    structure.area = blocks.iter().map(|block| block.area).sum();
+    structure.volume = blocks.iter().map(|block| block.volume).sum();
     let least = SLIVER * structure.area / count.max(1) as f64;
-    let blocks = parallel::blocks(count, BLOCK, |range| {
-        let (mut degenerate, mut slivers) = (Found::default(), Found::default());
-        for t in range {
-            let [a, b, c] = mesh.triangles[t];
-            if a == b || b == c || c == a || is_degenerate(&corners(mesh, t)) {
-                degenerate.push(t as u32);
-            } else if area(t) < least {
+    let mut slivers = Found::default();
+    let with_slivers = blocks.iter().enumerate().filter(|(_, block)| block.smallest < least);
+    for (n, _) in with_slivers {
+        for t in n * BLOCK..((n + 1) * BLOCK).min(count) {
+            let area = area_vector(&corners(mesh, t));
+            if 0.5 * dot(area, area).sqrt() < least && !has_no_area(mesh, t) {
                 slivers.push(t as u32);
             }
         }
-        (degenerate, slivers)
-    });
-    let (degenerate, slivers): (Vec<_>, Vec<_>) = blocks.into_iter().unzip();
-    structure.degenerate_triangles = Found::gather(degenerate);
-    structure.sliver_triangles = Found::gather(slivers);
+    }
+    structure.sliver_triangles = slivers;
+    structure.degenerate_triangles =
+        Found::gather(blocks.into_iter().map(|block| block.degenerate));
+}
+
+fn measure_block(mesh: &TriMesh, centre: [f64; 3], range: Range<usize>) -> Measured {
+    let mut measured = Measured { smallest: f64::INFINITY, ..Measured::default() };
+    for t in range {
+        let triangle = corners(mesh, t);
+        let normal = area_vector(&triangle);
+        let squared = dot(normal, normal);
+        let area = 0.5 * squared.sqrt();
+        let origin: [f64; 3] = std::array::from_fn(|d| triangle[0][d] - centre[d]);
+        measured.area += area;
+        measured.volume += dot(origin, normal) / 6.0;
+        if is_surely_proper(&triangle, squared) || !has_no_area(mesh, t) {
+            measured.smallest = measured.smallest.min(area);
+        } else {
+            measured.degenerate.push(t as u32);
+        }
+    }
+    measured
+}
+
+fn has_no_area(mesh: &TriMesh, t: usize) -> bool {
+    let [a, b, c] = mesh.triangles[t];
+    a == b || b == c || c == a || is_degenerate(&corners(mesh, t))
 }
 
 /// Centre of the bounding box: volumes relative to it do not drown in a far-off origin.
@@ -331,19 +376,4 @@ fn others([a, b, c]: [u32; 3], v: u32) -> [u32; 2] {
     } else {
         [a, b]
     }
-}
-
-fn find(parents: &mut [u32], mut i: u32) -> u32 {
-    while parents[i as usize] != i {
-        let grandparent = parents[parents[i as usize] as usize];
-        parents[i as usize] = grandparent;
-        i = grandparent;
-    }
-    i
-}
-
-/// Joins two sets; the smaller root stays a root.
-fn join(parents: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (find(parents, a), find(parents, b));
-    parents[a.max(b) as usize] = a.min(b);
 }
