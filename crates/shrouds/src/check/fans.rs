@@ -12,7 +12,7 @@
 use std::ops::Range;
 
 use crate::check::structure::Component;
-use crate::check::union::{find, join};
+use crate::check::union::join;
 use crate::check::windows::Windows;
 use crate::mesh::TriMesh;
 use crate::parallel;
@@ -23,19 +23,31 @@ const LANES: usize = 8;
 const SPOKES: usize = 16;
 /// Stretches that share their memory.
 const GROUP: usize = 4;
+/// Triangles per block of parallel work.
+const BLOCK: usize = 1 << 14;
 /// The end of no spoke.
 const NONE: u32 = u32::MAX;
 
 /// The parts of a closed manifold in the order of their first triangle; nothing when the mesh is no
 /// closed manifold, or one with very many triangles around a vertex.
 pub(super) fn closed_parts(windows: &Windows) -> Option<Vec<Component>> {
-    let closed = parallel::blocks(windows.count(), GROUP, |group| {
+    let count = windows.mesh().vertices.len();
+    let mut parents = vec![0; count];
+    let ends = (0..windows.count()).step_by(GROUP).map(|window| {
+        windows.vertices((window + GROUP).min(windows.count()) - 1).end
+    });
+    let closed = parallel::pieces(&mut parents, ends, |group, parents| {
         let mut fans = Fans::new(windows.size());
+        let group = group * GROUP..((group + 1) * GROUP).min(windows.count());
+        let first = windows.vertices(group.start).start;
         group.into_iter().all(|window| {
-            fans.read(windows.vertices(window), windows.triangles(window)) && fans.are_closed()
+            let range = windows.vertices(window);
+            let parents = &mut parents[range.start - first..range.end - first];
+            fans.read(range.clone(), windows.triangles(window))
+                && fans.are_closed(range.start as u32, parents)
         })
     });
-    closed.into_iter().all(|closed| closed).then(|| parts(windows))
+    closed.into_iter().all(|closed| closed).then(|| parts(windows.mesh(), parents))
 }
 
 /// A spoke of each of eight vertices.
@@ -67,115 +79,123 @@ impl Fans {
         triangles: impl Iterator<Item = &'t [[u32; 3]]>,
     ) -> bool {
         self.degrees.fill([0; LANES]);
+        let degrees = self.degrees.as_flattened_mut();
         let (first, count) = (range.start as u32, range.len());
-        let mut room = true;
+        let degrees = &mut degrees[..count];
+        let mut most = 0;
         for &[a, b, c] in triangles.flatten() {
             for [v, start, end] in [[a, b, c], [b, c, a], [c, a, b]] {
                 let v = v.wrapping_sub(first) as usize;
-                if v >= count {
-                    continue;
+                if let Some(degree) = degrees.get_mut(v) {
+                    let spoke = *degree as usize;
+                    *degree += 1;
+                    most = most.max(*degree);
+                    let entry = &mut self.spokes[v / LANES * SPOKES + spoke % SPOKES];
+                    entry.starts[v % LANES] = start;
+                    entry.ends[v % LANES] = end;
                 }
-                let (group, lane) = (v / LANES, v % LANES);
-                let degree = self.degrees[group][lane] as usize;
-                self.degrees[group][lane] += 1;
-                room &= degree < SPOKES;
-                let spokes = &mut self.spokes[SPOKES * group + degree % SPOKES];
-                spokes.starts[lane] = start;
-                spokes.ends[lane] = end;
             }
         }
-        room
+        most as usize <= SPOKES
     }
 
-    /// Whether the spokes of every vertex that has any form one closed fan.
-    fn are_closed(&mut self) -> bool {
-        let groups = self.spokes.as_chunks_mut::<SPOKES>().0.iter_mut();
-        groups.zip(&self.degrees).all(|(spokes, degrees)| {
+    /// Whether the spokes of every vertex from `first` on that has any form one closed fan. Gives
+    /// every vertex the smallest one near it, or itself.
+    fn are_closed(&self, first: u32, nearest: &mut [u32]) -> bool {
+        let groups = self.spokes.as_chunks::<SPOKES>().0.iter().zip(&self.degrees);
+        let mut all = true;
+        for (n, ((spokes, degrees), nearest)) in groups.zip(nearest.chunks_mut(LANES)).enumerate() {
             let most = degrees.iter().fold(0, |most, &degree| most.max(degree));
-            for (lane, &degree) in degrees.iter().enumerate() {
-                for spoke in &mut spokes[degree as usize..most as usize] {
-                    spoke.starts[lane] = NONE;
-                }
+            let (closed, least) = match most {
+                0..=8 => follow::<8>(spokes, degrees),
+                _ => follow::<SPOKES>(spokes, degrees),
+            };
+            all &= closed;
+            let own = first + (n * LANES) as u32;
+            for (lane, nearest) in nearest.iter_mut().enumerate() {
+                *nearest = least[lane].min(own + lane as u32);
             }
-            are_closed(&spokes[..most as usize], degrees)
-        })
+        }
+        all
     }
 }
 
-/// Whether eight fans are closed, of this many spokes each.
-fn are_closed(spokes: &[Spokes], degrees: &[u32; LANES]) -> bool {
-    let Some(&Spokes { starts: first, ends: mut here }) = spokes.first() else { return true };
+/// Whether eight fans of up to `MOST` spokes are closed, and the smallest vertex of each.
+fn follow<const MOST: usize>(
+    spokes: &[Spokes; SPOKES],
+    degrees: &[u32; LANES],
+) -> (bool, [u32; LANES]) {
+    // Spokes that a fan does not have begin nowhere.
+    let mut starts = [[NONE; LANES]; MOST];
+    let mut least = [NONE; LANES];
+    for (n, starts) in starts.iter_mut().enumerate() {
+        for lane in 0..LANES {
+            starts[lane] = spokes[n].starts[lane] | !mask((n as u32) < degrees[lane]);
+            least[lane] = least[lane].min(starts[lane]);
+        }
+    }
+    let mut here = spokes[0].ends;
     let mut wrong = [0; LANES];
-    for passed in 1..=spokes.len() as u32 {
-        let mut next = [0; LANES];
-        let mut found = [0; LANES];
-        for spoke in spokes {
+    for passed in 1..=MOST as u32 {
+        let (mut next, mut found) = ([0; LANES], [0; LANES]);
+        for n in 0..MOST {
             for lane in 0..LANES {
-                let same = mask(spoke.starts[lane] == here[lane]);
-                next[lane] |= same & spoke.ends[lane];
+                let same = mask(starts[n][lane] == here[lane]);
+                next[lane] |= same & spokes[n].ends[lane];
                 found[lane] |= same;
             }
         }
         for lane in 0..LANES {
-            let back = mask(here[lane] == first[lane]) ^ mask(passed == degrees[lane]);
+            let back = mask(here[lane] == starts[0][lane]) ^ mask(passed == degrees[lane]);
             wrong[lane] |= back & mask(passed <= degrees[lane]);
             here[lane] = next[lane] | !found[lane];
         }
     }
-    wrong == [0; LANES]
+    (wrong == [0; LANES], least)
 }
 
 fn mask(set: bool) -> u32 {
     u32::from(set).wrapping_neg()
 }
 
-/// The parts of a closed manifold that hang together.
-fn parts(windows: &Windows) -> Vec<Component> {
-    let mesh = windows.mesh();
-    let mut parents: Vec<u32> = (0..mesh.vertices.len() as u32).collect();
-    let ends = (0..windows.count()).map(|window| windows.vertices(window).end);
-    let across = parallel::pieces(&mut parents, ends, |window, parents| {
-        join_within(windows, window, parents)
-    });
-    for [a, b] in across.into_iter().flatten() {
-        join(&mut parents, a, b);
-    }
-    // Parents come first, so that theirs are the roots already.
-    for v in 0..parents.len() {
-        parents[v] = parents[parents[v] as usize];
-    }
-    count_parts(mesh, &mut parents)
-}
-
-/// Joins the vertices of a window; returns the edges that lead out of it, as far as they matter.
-fn join_within(windows: &Windows, window: usize, parents: &mut [u32]) -> Vec<[u32; 2]> {
-    let (first, count) = (windows.vertices(window).start as u32, parents.len() as u32);
-    parents.iter_mut().for_each(|parent| *parent -= first);
-    let mut across: Vec<[u32; 2]> = Vec::new();
-    for corners in windows.triangles(window).flatten() {
-        let [a, b, c] = corners.map(|v| v.wrapping_sub(first));
-        if a >= count {
-            continue;
-        }
-        for other in [b, c] {
-            if other < count {
-                if parents[a as usize] != parents[other as usize] {
-                    join(parents, a, other);
-                }
-            } else {
-                let edge = [find(parents, a), other].map(|v| v.wrapping_add(first));
-                if across.last() != Some(&edge) {
-                    across.push(edge);
+/// The parts of a closed manifold that hang together, by a vertex near every vertex, none larger
+/// than itself.
+fn parts(mesh: &TriMesh, mut parents: Vec<u32>) -> Vec<Component> {
+    let roots = flatten(&mut parents);
+    if roots > 1 {
+        let blocks = parallel::blocks(mesh.triangles.len(), BLOCK, |range| {
+            let mut apart: Vec<[u32; 2]> = Vec::new();
+            for corners in &mesh.triangles[range] {
+                let [a, b, c] = corners.map(|v| parents[v as usize]);
+                if a != b || a != c {
+                    apart.extend([[a, b], [a, c]]);
                 }
             }
+            apart.dedup();
+            apart
+        });
+        for [a, b] in blocks.into_iter().flatten() {
+            join(&mut parents, a, b);
         }
+        flatten(&mut parents);
     }
-    parents.iter_mut().for_each(|parent| *parent += first);
-    across
+    count_parts(mesh, &parents)
+}
+
+/// Makes every vertex name the first of its set; returns the number of sets.
+fn flatten(parents: &mut [u32]) -> usize {
+    let mut roots = 0;
+    // Parents come first, so that theirs are the roots already.
+    for v in 0..parents.len() {
+        let parent = parents[v] as usize;
+        roots += usize::from(parent == v);
+        parents[v] = parents[parent];
+    }
+    roots
 }
 
 /// Counts the triangles and vertices under each root.
-fn count_parts(mesh: &TriMesh, roots: &mut [u32]) -> Vec<Component> {
+fn count_parts(mesh: &TriMesh, roots: &[u32]) -> Vec<Component> {
     let mut components: Vec<Component> = Vec::new();
     // The place of each root among them, found at its first triangle.
     let mut places = std::collections::BTreeMap::new();
@@ -191,7 +211,7 @@ fn count_parts(mesh: &TriMesh, roots: &mut [u32]) -> Vec<Component> {
         }
         components[last.1].triangles += 1;
     }
-    for &root in roots.iter() {
+    for &root in roots {
         if root != last.0 {
             match places.get(&root) {
                 Some(&place) => last = (root, place),

@@ -11,6 +11,7 @@ mod crossing;
 mod curve;
 mod fans;
 mod found;
+mod grid_edges;
 mod intersection;
 mod predicates;
 mod report;
@@ -101,8 +102,14 @@ pub fn check(
     if open && dims.contains(&1) {
         return Err(Error::NoCells { dims });
     }
-    let (structure, boundary) = structure::examine(mesh)?;
+    let (structure, boundary, windows) = structure::examine(mesh)?;
     let axes = if open || settings.all_axes { 3 } else { 1 };
+    let separated =
+        axes == 1 && windows.is_some_and(|windows| grid_edges::separates(&windows, volume));
+    let separation = match separated {
+        true => Separation { axes, ..Separation::default() },
+        false => separation::separation(mesh, volume, settings.border, axes)?,
+    };
     Ok(CheckReport {
         settings: *settings,
         structure,
@@ -110,7 +117,7 @@ pub fn check(
         self_intersections: settings
             .self_intersections
             .then(|| intersection::self_intersections(mesh)),
-        separation: separation::separation(mesh, volume, settings.border, axes)?,
+        separation,
         expected: voxel_topology(volume, settings.border, settings.faces),
     })
 }

@@ -105,21 +105,24 @@ pub fn structure(mesh: &TriMesh) -> Result<Structure, Error> {
     Ok(examine(mesh)?.0)
 }
 
-/// [`structure`], and all boundary edges.
-pub(super) fn examine(mesh: &TriMesh) -> Result<(Structure, Vec<[u32; 2]>), Error> {
+/// [`structure`], all boundary edges, and the windows of a closed manifold where it has any.
+pub(super) fn examine(mesh: &TriMesh) -> Result<(Structure, Vec<[u32; 2]>, Option<Windows<'_>>), Error> {
     refuse_damage(mesh)?;
-    let (mut structure, boundary) = match Windows::new(mesh).as_ref().and_then(fans::closed_parts) {
-        Some(components) => (closed(mesh, components), Vec::new()),
+    let windows = Windows::new(mesh);
+    let parts = windows.and_then(|windows| Some((fans::closed_parts(&windows)?, windows)));
+    let (mut structure, boundary, windows) = match parts {
+        Some((components, windows)) => (closed(mesh, components), Vec::new(), Some(windows)),
         None => {
             let mut walk = Walk::new(mesh);
             walk.run(mesh);
-            walk.finish(mesh)
+            let (structure, boundary) = walk.finish(mesh);
+            (structure, boundary, None)
         }
     };
     structure.unused_vertices = mesh.vertices.len() as u64 - structure.vertices;
     structure.triangles = mesh.triangles.len() as u64;
     measure(mesh, &mut structure);
-    Ok((structure, boundary))
+    Ok((structure, boundary, windows))
 }
 
 /// The structure of a closed manifold with these components.

@@ -9,7 +9,7 @@ use crate::mesh::TriMesh;
 use crate::parallel;
 
 /// Triangles per block.
-const BLOCK: usize = 1 << 12;
+const BLOCK: usize = 1 << 10;
 /// Vertices per window.
 const LEAST: usize = 1 << 14;
 const MOST: usize = 1 << 18;
