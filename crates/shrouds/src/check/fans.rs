@@ -72,7 +72,8 @@ impl Fans {
         Self { spokes: vec![none; SPOKES * groups], degrees: vec![[0; LANES]; groups] }
     }
 
-    /// Takes the spokes of the vertices in `range`. Returns whether there is room for all.
+    /// Takes the spokes of the vertices in `range`. Returns whether there is room for all, and every
+    /// triangle has three corners.
     fn read<'t>(
         &mut self,
         range: Range<usize>,
@@ -82,8 +83,9 @@ impl Fans {
         let degrees = self.degrees.as_flattened_mut();
         let (first, count) = (range.start as u32, range.len());
         let degrees = &mut degrees[..count];
-        let mut most = 0;
+        let (mut most, mut proper) = (0, true);
         for &[a, b, c] in triangles.flatten() {
+            proper &= (a != b) & (b != c) & (c != a);
             for [v, start, end] in [[a, b, c], [b, c, a], [c, a, b]] {
                 let v = v.wrapping_sub(first) as usize;
                 if let Some(degree) = degrees.get_mut(v) {
@@ -96,7 +98,7 @@ impl Fans {
                 }
             }
         }
-        most as usize <= SPOKES
+        proper && most as usize <= SPOKES
     }
 
     /// Whether the spokes of every vertex from `first` on that has any form one closed fan. Gives

@@ -173,13 +173,12 @@ impl Scratch {
                 let high = a[d].max(b[d]).max(c[d]);
                 apart |= i32::from((low & !1) + 2 < high);
             }
-            for (n, [v, from, to]) in numbers.into_iter().zip([[a, b, c], [b, c, a], [c, a, b]]) {
-                if let Some(turn) = self.turns.get_mut(n.wrapping_sub(offset)) {
-                    // The half-plane at the low z of the cell, towards its high y.
-                    let at = |p: Place| (p[2] == v[2]) & (p[1] > v[1]);
-                    let above = |p: Place| p[2] > v[2];
-                    let passed = i8::from(at(from) & above(to)) - i8::from(at(to) & above(from));
-                    *turn += if v[3] == 0 { passed } else { 0 };
+            let passed = turns(a, b, c);
+            if passed != [0; 4] {
+                for (n, passed) in numbers.into_iter().zip(passed) {
+                    if let Some(turn) = self.turns.get_mut(n.wrapping_sub(offset)) {
+                        *turn += passed as i8;
+                    }
                 }
             }
         }
@@ -187,7 +186,26 @@ impl Scratch {
     }
 }
 
-/// Grows in the order of the grid edges by z, y, axis and x.
-fn key([x, y, z, axis]: Place) -> [i32; 4] {
-    [z >> 1, y >> 1, axis, x >> 1]
+/// How often a triangle of a fan around each of its corners, if that is on a grid edge along x, passes
+/// the half-plane at the low z of the cell, towards its high y. The last number means nothing.
+#[inline]
+fn turns(a: Place, b: Place, c: Place) -> [i32; 4] {
+    let (y, z) = ([a[1], b[1], c[1], a[1]], [a[2], b[2], c[2], a[2]]);
+    let axis = [a[3], b[3], c[3], 1];
+    let next = |v: [i32; 4]| [v[1], v[2], v[0], v[1]];
+    let (from_y, from_z) = (next(y), next(z));
+    let (to_y, to_z) = (next(from_y), next(from_z));
+    let mut turns = [0; 4];
+    for n in 0..4 {
+        let up = (from_z[n] == z[n]) & (from_y[n] > y[n]) & (to_z[n] > z[n]);
+        let down = (to_z[n] == z[n]) & (to_y[n] > y[n]) & (from_z[n] > z[n]);
+        turns[n] = (i32::from(up) - i32::from(down)) * i32::from(axis[n] == 0);
+    }
+    turns
+}
+
+/// Grows in the order of the grid edges by z, y, axis and x, for indices from -1 to 2²⁰.
+fn key([x, y, z, axis]: Place) -> i64 {
+    let field = |doubled: i32| i64::from((doubled >> 1) + 1);
+    field(z) << 44 | field(y) << 23 | i64::from(axis) << 21 | field(x)
 }

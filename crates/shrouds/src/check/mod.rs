@@ -32,6 +32,7 @@ pub use voxel_topology::{VoxelTopology, voxel_topology};
 use crate::error::Error;
 use crate::grid::Grid;
 use crate::mesh::TriMesh;
+use crate::parallel;
 use crate::volume::{Border, FaceRule, Occupancy};
 
 /// What to expect of a mesh.
@@ -102,14 +103,11 @@ pub fn check(
     if open && dims.contains(&1) {
         return Err(Error::NoCells { dims });
     }
-    let (structure, boundary, windows) = structure::examine(mesh)?;
-    let axes = if open || settings.all_axes { 3 } else { 1 };
-    let separated =
-        axes == 1 && windows.is_some_and(|windows| grid_edges::separates(&windows, volume));
-    let separation = match separated {
-        true => Separation { axes, ..Separation::default() },
-        false => separation::separation(mesh, volume, settings.border, axes)?,
-    };
+    let (found, expected) = parallel::both(
+        || examine(mesh, volume, settings),
+        || voxel_topology(volume, settings.border, settings.faces),
+    );
+    let (structure, boundary, separation) = found?;
     Ok(CheckReport {
         settings: *settings,
         structure,
@@ -118,8 +116,26 @@ pub fn check(
             .self_intersections
             .then(|| intersection::self_intersections(mesh)),
         separation,
-        expected: voxel_topology(volume, settings.border, settings.faces),
+        expected,
     })
+}
+
+/// The mesh by itself, with its boundary edges, and against the lattice points.
+fn examine(
+    mesh: &TriMesh,
+    volume: &Occupancy,
+    settings: &CheckSettings,
+) -> Result<(Structure, Vec<[u32; 2]>, Separation), Error> {
+    let (structure, boundary, windows) = structure::examine(mesh)?;
+    let open = settings.border == Border::Open;
+    let axes = if open || settings.all_axes { 3 } else { 1 };
+    let separated =
+        axes == 1 && windows.is_some_and(|windows| grid_edges::separates(&windows, volume));
+    let separation = match separated {
+        true => Separation { axes, ..Separation::default() },
+        false => separation::separation(mesh, volume, settings.border, axes)?,
+    };
+    Ok((structure, boundary, separation))
 }
 
 /// The boundary edges that do not lie in an outermost lattice plane of an open volume.

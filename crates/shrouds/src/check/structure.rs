@@ -145,19 +145,31 @@ fn refuse_damage(mesh: &TriMesh) -> Result<(), Error> {
     if triangles > u32::MAX as usize / 3 {
         return Err(Error::Mesh(format!("it has {triangles} triangles; check it in parts")));
     }
-    let unusable = |point: &[f64; 3]| !point.iter().all(|x| x.abs() <= COORDINATE_LIMIT);
-    if let Some(v) = mesh.vertices.iter().position(unusable) {
+    let unusable = |point: &[f64; 3]| {
+        let usable = point.map(|x| x.abs() <= COORDINATE_LIMIT);
+        !(usable[0] & usable[1] & usable[2])
+    };
+    if let Some(v) = first(&mesh.vertices, unusable) {
         let point = mesh.vertices[v];
         return Err(Error::Mesh(format!("vertex {v} lies at {point:?}; all must be below 1e90")));
     }
-    let dangling = |corners: &[u32; 3]| corners.iter().any(|&v| v as usize >= vertices);
-    match mesh.triangles.iter().position(dangling) {
+    let dangling = |&[a, b, c]: &[u32; 3]| a.max(b).max(c) as usize >= vertices;
+    match first(&mesh.triangles, dangling) {
         Some(t) => Err(Error::Mesh(format!(
             "triangle {t} joins vertices {:?}, but there are only {vertices}",
             mesh.triangles[t]
         ))),
         None => Ok(()),
     }
+}
+
+/// The first item that is wrong.
+fn first<T: Sync>(items: &[T], is_wrong: impl Fn(&T) -> bool + Sync) -> Option<usize> {
+    let blocks = parallel::blocks(items.len(), BLOCK, |range| {
+        items[range].iter().fold(false, |any, item| any | is_wrong(item))
+    });
+    let block = blocks.into_iter().position(|any| any)?;
+    items[block * BLOCK..].iter().position(is_wrong).map(|n| block * BLOCK + n)
 }
 
 /// What one block of triangles measures.
@@ -224,10 +236,21 @@ fn centre(vertices: &[[f64; 3]]) -> [f64; 3] {
 
 /// Smallest and largest coordinates; infinite the wrong way round when there are no vertices.
 pub(super) fn bounds(vertices: &[[f64; 3]]) -> ([f64; 3], [f64; 3]) {
-    let start = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    vertices.iter().fold(start, |(low, high), p| {
-        (std::array::from_fn(|d| p[d].min(low[d])), std::array::from_fn(|d| p[d].max(high[d])))
-    })
+    let blocks = parallel::blocks(vertices.len(), BLOCK, |range| {
+        let points = vertices[range].iter().map(|&p| (p, p));
+        points.fold(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), wider)
+    });
+    blocks.into_iter().fold(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), wider)
+}
+
+fn wider(a: ([f64; 3], [f64; 3]), b: ([f64; 3], [f64; 3])) -> ([f64; 3], [f64; 3]) {
+    let lower = |a: f64, b: f64| if a < b { a } else { b };
+    let higher = |a: f64, b: f64| if a > b { a } else { b };
+    let (low, high) = ((a.0, b.0), (a.1, b.1));
+    (
+        [lower(low.0[0], low.1[0]), lower(low.0[1], low.1[1]), lower(low.0[2], low.1[2])],
+        [higher(high.0[0], high.1[0]), higher(high.0[1], high.1[1]), higher(high.0[2], high.1[2])],
+    )
 }
 
 /// A triangle seen from one of its vertices along one of its edges.

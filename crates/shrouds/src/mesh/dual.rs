@@ -168,6 +168,10 @@ fn polygons(
             let polygon = Placed::new(&frame, &polygon, network_normals[v as usize]);
             match (triangles, polygon.count()) {
                 (Triangles::Fitted, 4) => fit.push(&polygon, at, piece),
+                (Triangles::Fixed, 4) => {
+                    let [a, b, c, d, ..] = polygon.vertices;
+                    piece[at..at + 2].copy_from_slice(&[[a, b, d], [b, c, d]]);
+                }
                 _ => polygon.cut(triangles, &mut piece[at..]),
             }
             at += polygon.count() - 2;
