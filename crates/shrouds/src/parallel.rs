@@ -68,9 +68,15 @@ pub(crate) fn sum_blocks<S: Send + Sum>(
     blocks(count, BLOCK, f).into_iter().sum()
 }
 
-/// Sum of `f(i)` over `0..count`, always in the same order.
-pub(crate) fn sum(count: usize, f: impl Fn(usize) -> f64 + Sync) -> f64 {
-    blocks(count, BLOCK, |range| range.map(&f).sum::<f64>()).into_iter().sum()
+/// The results of both, at the same time where there is a thread for it.
+pub(crate) fn both<A: Send, B: Send>(
+    a: impl FnOnce() -> A + Send,
+    b: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    #[cfg(feature = "parallel")]
+    return rayon::join(a, b);
+    #[cfg(not(feature = "parallel"))]
+    (a(), b())
 }
 
 /// `f(i, &mut values[i])` for every entry.

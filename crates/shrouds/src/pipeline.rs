@@ -3,9 +3,8 @@
 use std::time::Instant;
 
 use crate::error::Error;
-use crate::mesh::{MeshKind, TriMesh, Triangles};
-use crate::network::Network;
-use crate::optimize::{self, Observer, Report, optimize};
+use crate::mesh::{MeshKind, TriMesh, Triangles, place_vertices, slope_normals};
+use crate::optimize::{self, Observer, Optimum, Report, optimize};
 use crate::surface::Surface;
 use crate::volume::{Border, FaceRule, Occupancy};
 
@@ -24,13 +23,12 @@ pub struct Settings {
     pub triangles: Triangles,
 }
 
-/// An optimal separating surface and all that led to it.
+/// An optimal separating surface and all that led to it, but for the network, which
+/// [`Network::trace`](crate::network::Network::trace) finds again.
 #[derive(Debug, Clone)]
 pub struct Shroud {
     /// Crossings and patches.
     pub surface: Surface,
-    /// The planar curves.
-    pub network: Network,
     /// δ of every vertex of the surface, in `[margin, 1 − margin]`; 1 is the inside end.
     pub delta: Vec<f64>,
     /// The mesh in world coordinates.
@@ -46,8 +44,6 @@ pub struct Shroud {
 pub struct Times {
     /// Finding crossings and patches.
     pub surface: f64,
-    /// Tracing the network.
-    pub network: f64,
     /// Optimising δ.
     pub optimize: f64,
     /// Placing vertices and choosing triangles.
@@ -82,14 +78,16 @@ pub fn shroud_observed(
     let mut times = Times::default();
     let surface =
         timed(&mut times.surface, || Surface::extract(volume, settings.faces, settings.border))?;
-    let network = timed(&mut times.network, || Network::trace(&surface));
-    let (delta, report) = timed(&mut times.optimize, || {
-        optimize(volume, &surface, &network, &settings.optimize, observer)
-    })?;
+    let Optimum { delta, slopes, report } =
+        timed(&mut times.optimize, || optimize(&surface, &settings.optimize, observer))?;
     let mesh = timed(&mut times.mesh, || {
-        TriMesh::place(&surface, &network, &delta, settings.mesh, settings.triangles)
+        let normals = slope_normals(&surface, &slopes);
+        // Their memory is wanted for the triangles.
+        drop(slopes);
+        let vertices = place_vertices(&surface, &delta);
+        TriMesh::span(&surface, vertices, normals, settings.mesh, settings.triangles)
     });
-    Ok(Shroud { surface, network, delta, mesh, report, times })
+    Ok(Shroud { surface, delta, mesh, report, times })
 }
 
 fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {

@@ -4,8 +4,14 @@
 //! corners, give the edges that leave it, and joining them across those edges gives its fans. Memory
 //! is a list of the triangles around each vertex and a few words per triangle.
 
+use std::ops::Range;
+
 use crate::check::found::Found;
-use crate::check::predicates::{COORDINATE_LIMIT, Corners, area_vector, dot, is_degenerate};
+use crate::check::fans;
+use crate::check::predicates::{COORDINATE_LIMIT, Corners, area_vector, dot};
+use crate::check::predicates::{is_degenerate, is_surely_proper};
+use crate::check::union::{find, join};
+use crate::check::windows::Windows;
 use crate::error::Error;
 use crate::mesh::TriMesh;
 use crate::parallel;
@@ -99,16 +105,32 @@ pub fn structure(mesh: &TriMesh) -> Result<Structure, Error> {
     Ok(examine(mesh)?.0)
 }
 
-/// [`structure`], and all boundary edges.
-pub(super) fn examine(mesh: &TriMesh) -> Result<(Structure, Vec<[u32; 2]>), Error> {
+/// [`structure`], all boundary edges, and the windows of a closed manifold where it has any.
+pub(super) fn examine(mesh: &TriMesh) -> Result<(Structure, Vec<[u32; 2]>, Option<Windows<'_>>), Error> {
     refuse_damage(mesh)?;
-    let mut walk = Walk::new(mesh);
-    walk.run(mesh);
-    let (mut structure, boundary) = walk.finish(mesh);
+    let windows = Windows::new(mesh);
+    let parts = windows.and_then(|windows| Some((fans::closed_parts(&windows)?, windows)));
+    let (mut structure, boundary, windows) = match parts {
+        Some((components, windows)) => (closed(mesh, components), Vec::new(), Some(windows)),
+        None => {
+            let mut walk = Walk::new(mesh);
+            walk.run(mesh);
+            let (structure, boundary) = walk.finish(mesh);
+            (structure, boundary, None)
+        }
+    };
     structure.unused_vertices = mesh.vertices.len() as u64 - structure.vertices;
     structure.triangles = mesh.triangles.len() as u64;
     measure(mesh, &mut structure);
-    Ok((structure, boundary))
+    Ok((structure, boundary, windows))
+}
+
+/// The structure of a closed manifold with these components.
+fn closed(mesh: &TriMesh, components: Vec<Component>) -> Structure {
+    let edges = mesh.triangles.len() as u64 / 2 * 3;
+    let euler: i64 = components.iter().map(|component| component.euler).sum();
+    let vertices = (euler + mesh.triangles.len() as i64 / 2) as u64;
+    Structure { vertices, edges, components, ..Structure::default() }
 }
 
 /// The corners of triangle `index`.
@@ -123,13 +145,16 @@ fn refuse_damage(mesh: &TriMesh) -> Result<(), Error> {
     if triangles > u32::MAX as usize / 3 {
         return Err(Error::Mesh(format!("it has {triangles} triangles; check it in parts")));
     }
-    let unusable = |point: &[f64; 3]| !point.iter().all(|x| x.abs() <= COORDINATE_LIMIT);
-    if let Some(v) = mesh.vertices.iter().position(unusable) {
+    let unusable = |point: &[f64; 3]| {
+        let usable = point.map(|x| x.abs() <= COORDINATE_LIMIT);
+        !(usable[0] & usable[1] & usable[2])
+    };
+    if let Some(v) = first(&mesh.vertices, unusable) {
         let point = mesh.vertices[v];
         return Err(Error::Mesh(format!("vertex {v} lies at {point:?}; all must be below 1e90")));
     }
-    let dangling = |corners: &[u32; 3]| corners.iter().any(|&v| v as usize >= vertices);
-    match mesh.triangles.iter().position(dangling) {
+    let dangling = |&[a, b, c]: &[u32; 3]| a.max(b).max(c) as usize >= vertices;
+    match first(&mesh.triangles, dangling) {
         Some(t) => Err(Error::Mesh(format!(
             "triangle {t} joins vertices {:?}, but there are only {vertices}",
             mesh.triangles[t]
@@ -138,34 +163,69 @@ fn refuse_damage(mesh: &TriMesh) -> Result<(), Error> {
     }
 }
 
+/// The first item that is wrong.
+fn first<T: Sync>(items: &[T], is_wrong: impl Fn(&T) -> bool + Sync) -> Option<usize> {
+    let blocks = parallel::blocks(items.len(), BLOCK, |range| {
+        items[range].iter().fold(false, |any, item| any | is_wrong(item))
+    });
+    let block = blocks.into_iter().position(|any| any)?;
+    items[block * BLOCK..].iter().position(is_wrong).map(|n| block * BLOCK + n)
+}
+
+/// What one block of triangles measures.
+#[derive(Default)]
+struct Measured {
+    area: f64,
+    volume: f64,
+    /// The smallest area that is not zero.
+    smallest: f64,
+    degenerate: Found<u32>,
+}
+
 fn measure(mesh: &TriMesh, structure: &mut Structure) {
     let count = mesh.triangles.len();
-    let area = |t: usize| {
-        let normal = area_vector(&corners(mesh, t));
-        0.5 * dot(normal, normal).sqrt()
-    };
-    structure.area = parallel::sum(count, area);
     let centre = centre(&mesh.vertices);
-    structure.volume = parallel::sum(count, |t| {
-        let triangle = corners(mesh, t).map(|p| std::array::from_fn(|d| p[d] - centre[d]));
-        dot(triangle[0], area_vector(&triangle)) / 6.0
-    });
+    let blocks = parallel::blocks(count, BLOCK, |range| measure_block(mesh, centre, range));
+    structure.area = blocks.iter().map(|block| block.area).sum();
+    structure.volume = blocks.iter().map(|block| block.volume).sum();
     let least = SLIVER * structure.area / count.max(1) as f64;
-    let blocks = parallel::blocks(count, BLOCK, |range| {
-        let (mut degenerate, mut slivers) = (Found::default(), Found::default());
-        for t in range {
-            let [a, b, c] = mesh.triangles[t];
-            if a == b || b == c || c == a || is_degenerate(&corners(mesh, t)) {
-                degenerate.push(t as u32);
-            } else if area(t) < least {
+    let mut slivers = Found::default();
+    let with_slivers = blocks.iter().enumerate().filter(|(_, block)| block.smallest < least);
+    for (n, _) in with_slivers {
+        for t in n * BLOCK..((n + 1) * BLOCK).min(count) {
+            let area = area_vector(&corners(mesh, t));
+            if 0.5 * dot(area, area).sqrt() < least && !has_no_area(mesh, t) {
                 slivers.push(t as u32);
             }
         }
-        (degenerate, slivers)
-    });
-    let (degenerate, slivers): (Vec<_>, Vec<_>) = blocks.into_iter().unzip();
-    structure.degenerate_triangles = Found::gather(degenerate);
-    structure.sliver_triangles = Found::gather(slivers);
+    }
+    structure.sliver_triangles = slivers;
+    structure.degenerate_triangles =
+        Found::gather(blocks.into_iter().map(|block| block.degenerate));
+}
+
+fn measure_block(mesh: &TriMesh, centre: [f64; 3], range: Range<usize>) -> Measured {
+    let mut measured = Measured { smallest: f64::INFINITY, ..Measured::default() };
+    for t in range {
+        let triangle = corners(mesh, t);
+        let normal = area_vector(&triangle);
+        let squared = dot(normal, normal);
+        let area = 0.5 * squared.sqrt();
+        let origin: [f64; 3] = std::array::from_fn(|d| triangle[0][d] - centre[d]);
+        measured.area += area;
+        measured.volume += dot(origin, normal) / 6.0;
+        if is_surely_proper(&triangle, squared) || !has_no_area(mesh, t) {
+            measured.smallest = measured.smallest.min(area);
+        } else {
+            measured.degenerate.push(t as u32);
+        }
+    }
+    measured
+}
+
+fn has_no_area(mesh: &TriMesh, t: usize) -> bool {
+    let [a, b, c] = mesh.triangles[t];
+    a == b || b == c || c == a || is_degenerate(&corners(mesh, t))
 }
 
 /// Centre of the bounding box: volumes relative to it do not drown in a far-off origin.
@@ -176,10 +236,21 @@ fn centre(vertices: &[[f64; 3]]) -> [f64; 3] {
 
 /// Smallest and largest coordinates; infinite the wrong way round when there are no vertices.
 pub(super) fn bounds(vertices: &[[f64; 3]]) -> ([f64; 3], [f64; 3]) {
-    let start = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    vertices.iter().fold(start, |(low, high), p| {
-        (std::array::from_fn(|d| p[d].min(low[d])), std::array::from_fn(|d| p[d].max(high[d])))
-    })
+    let blocks = parallel::blocks(vertices.len(), BLOCK, |range| {
+        let points = vertices[range].iter().map(|&p| (p, p));
+        points.fold(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), wider)
+    });
+    blocks.into_iter().fold(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), wider)
+}
+
+fn wider(a: ([f64; 3], [f64; 3]), b: ([f64; 3], [f64; 3])) -> ([f64; 3], [f64; 3]) {
+    let lower = |a: f64, b: f64| if a < b { a } else { b };
+    let higher = |a: f64, b: f64| if a > b { a } else { b };
+    let (low, high) = ((a.0, b.0), (a.1, b.1));
+    (
+        [lower(low.0[0], low.1[0]), lower(low.0[1], low.1[1]), lower(low.0[2], low.1[2])],
+        [higher(high.0[0], high.1[0]), higher(high.0[1], high.1[1]), higher(high.0[2], high.1[2])],
+    )
 }
 
 /// A triangle seen from one of its vertices along one of its edges.
@@ -331,19 +402,4 @@ fn others([a, b, c]: [u32; 3], v: u32) -> [u32; 2] {
     } else {
         [a, b]
     }
-}
-
-fn find(parents: &mut [u32], mut i: u32) -> u32 {
-    while parents[i as usize] != i {
-        let grandparent = parents[parents[i as usize] as usize];
-        parents[i as usize] = grandparent;
-        i = grandparent;
-    }
-    i
-}
-
-/// Joins two sets; the smaller root stays a root.
-fn join(parents: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (find(parents, a), find(parents, b));
-    parents[a.max(b) as usize] = a.min(b);
 }

@@ -21,6 +21,11 @@ impl<'a> Rows<'a> {
         self.dims
     }
 
+    /// Whether there is a layer of outside points around the volume.
+    pub(super) fn are_closed(&self) -> bool {
+        self.margin > 0
+    }
+
     /// Whether a point, the layer included, is inside.
     pub(super) fn get(&self, index: [usize; 3]) -> bool {
         let dims = self.volume.grid().dims();

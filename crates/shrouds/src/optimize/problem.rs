@@ -409,7 +409,8 @@ fn slopes_along<R: Real>(strip: &Strip<R>, n: usize) -> Lanes<f32> {
         let tangent = [wa * a[0] + wb * b[0], wa * a[1] + wb * b[1]];
         let along = tangent[0] * moves[0][l] + tangent[1] * moves[1][l];
         let across = tangent[0] * moves[1][l] + tangent[1] * moves[0][l];
-        slopes[l] = along / across;
+        // A curve straight along the edge has no slope; one this steep stands for it.
+        slopes[l] = (along / across).clamp(-1e6, 1e6);
     }
     slopes
 }

@@ -1,0 +1,228 @@
+//! Whether the triangles around every vertex form one closed fan: the short way to the structure of a
+//! closed manifold.
+//!
+//! Seen from a vertex each of its triangles is a spoke, from the corner after the vertex to the one
+//! before it. Follow the spokes from the first: when that leads back to its start after all of them,
+//! and not before, then each of the other corners begins one spoke and ends one. So there is one fan,
+//! and every edge has two triangles that run through it in opposite directions.
+//!
+//! Eight vertices are followed side by side. Meshes that are no closed manifolds are left to
+//! `structure`, which says where they are not.
+
+use std::ops::Range;
+
+use crate::check::structure::Component;
+use crate::check::union::join;
+use crate::check::windows::Windows;
+use crate::mesh::TriMesh;
+use crate::parallel;
+
+/// Vertices that are followed side by side.
+const LANES: usize = 8;
+/// The most triangles around a vertex.
+const SPOKES: usize = 16;
+/// Stretches that share their memory.
+const GROUP: usize = 4;
+/// Triangles per block of parallel work.
+const BLOCK: usize = 1 << 14;
+/// The end of no spoke.
+const NONE: u32 = u32::MAX;
+
+/// The parts of a closed manifold in the order of their first triangle; nothing when the mesh is no
+/// closed manifold, or one with very many triangles around a vertex.
+pub(super) fn closed_parts(windows: &Windows) -> Option<Vec<Component>> {
+    let count = windows.mesh().vertices.len();
+    let mut parents = vec![0; count];
+    let ends = (0..windows.count()).step_by(GROUP).map(|window| {
+        windows.vertices((window + GROUP).min(windows.count()) - 1).end
+    });
+    let closed = parallel::pieces(&mut parents, ends, |group, parents| {
+        let mut fans = Fans::new(windows.size());
+        let group = group * GROUP..((group + 1) * GROUP).min(windows.count());
+        let first = windows.vertices(group.start).start;
+        group.into_iter().all(|window| {
+            let range = windows.vertices(window);
+            let parents = &mut parents[range.start - first..range.end - first];
+            fans.read(range.clone(), windows.triangles(window))
+                && fans.are_closed(range.start as u32, parents)
+        })
+    });
+    closed.into_iter().all(|closed| closed).then(|| parts(windows.mesh(), parents))
+}
+
+/// A spoke of each of eight vertices.
+#[derive(Clone, Copy)]
+struct Spokes {
+    starts: [u32; LANES],
+    ends: [u32; LANES],
+}
+
+/// The spokes of a stretch of vertices, eight vertices after the other.
+struct Fans {
+    /// Entry `SPOKES · g + n` holds spoke `n` of the vertices of group `g`.
+    spokes: Vec<Spokes>,
+    /// Number of spokes of every vertex.
+    degrees: Vec<[u32; LANES]>,
+}
+
+impl Fans {
+    fn new(size: usize) -> Self {
+        let groups = size.div_ceil(LANES);
+        let none = Spokes { starts: [0; LANES], ends: [0; LANES] };
+        Self { spokes: vec![none; SPOKES * groups], degrees: vec![[0; LANES]; groups] }
+    }
+
+    /// Takes the spokes of the vertices in `range`. Returns whether there is room for all, and every
+    /// triangle has three corners.
+    fn read<'t>(
+        &mut self,
+        range: Range<usize>,
+        triangles: impl Iterator<Item = &'t [[u32; 3]]>,
+    ) -> bool {
+        self.degrees.fill([0; LANES]);
+        let degrees = self.degrees.as_flattened_mut();
+        let (first, count) = (range.start as u32, range.len());
+        let degrees = &mut degrees[..count];
+        let (mut most, mut proper) = (0, true);
+        for &[a, b, c] in triangles.flatten() {
+            proper &= (a != b) & (b != c) & (c != a);
+            for [v, start, end] in [[a, b, c], [b, c, a], [c, a, b]] {
+                let v = v.wrapping_sub(first) as usize;
+                if let Some(degree) = degrees.get_mut(v) {
+                    let spoke = *degree as usize;
+                    *degree += 1;
+                    most = most.max(*degree);
+                    let entry = &mut self.spokes[v / LANES * SPOKES + spoke % SPOKES];
+                    entry.starts[v % LANES] = start;
+                    entry.ends[v % LANES] = end;
+                }
+            }
+        }
+        proper && most as usize <= SPOKES
+    }
+
+    /// Whether the spokes of every vertex from `first` on that has any form one closed fan. Gives
+    /// every vertex the smallest one near it, or itself.
+    fn are_closed(&self, first: u32, nearest: &mut [u32]) -> bool {
+        let groups = self.spokes.as_chunks::<SPOKES>().0.iter().zip(&self.degrees);
+        let mut all = true;
+        for (n, ((spokes, degrees), nearest)) in groups.zip(nearest.chunks_mut(LANES)).enumerate() {
+            let most = degrees.iter().fold(0, |most, &degree| most.max(degree));
+            let (closed, least) = match most {
+                0..=8 => follow::<8>(spokes, degrees),
+                _ => follow::<SPOKES>(spokes, degrees),
+            };
+            all &= closed;
+            let own = first + (n * LANES) as u32;
+            for (lane, nearest) in nearest.iter_mut().enumerate() {
+                *nearest = least[lane].min(own + lane as u32);
+            }
+        }
+        all
+    }
+}
+
+/// Whether eight fans of up to `MOST` spokes are closed, and the smallest vertex of each.
+fn follow<const MOST: usize>(
+    spokes: &[Spokes; SPOKES],
+    degrees: &[u32; LANES],
+) -> (bool, [u32; LANES]) {
+    // Spokes that a fan does not have begin nowhere.
+    let mut starts = [[NONE; LANES]; MOST];
+    let mut least = [NONE; LANES];
+    for (n, starts) in starts.iter_mut().enumerate() {
+        for lane in 0..LANES {
+            starts[lane] = spokes[n].starts[lane] | !mask((n as u32) < degrees[lane]);
+            least[lane] = least[lane].min(starts[lane]);
+        }
+    }
+    let mut here = spokes[0].ends;
+    let mut wrong = [0; LANES];
+    for passed in 1..=MOST as u32 {
+        let (mut next, mut found) = ([0; LANES], [0; LANES]);
+        for n in 0..MOST {
+            for lane in 0..LANES {
+                let same = mask(starts[n][lane] == here[lane]);
+                next[lane] |= same & spokes[n].ends[lane];
+                found[lane] |= same;
+            }
+        }
+        for lane in 0..LANES {
+            let back = mask(here[lane] == starts[0][lane]) ^ mask(passed == degrees[lane]);
+            wrong[lane] |= back & mask(passed <= degrees[lane]);
+            here[lane] = next[lane] | !found[lane];
+        }
+    }
+    (wrong == [0; LANES], least)
+}
+
+fn mask(set: bool) -> u32 {
+    u32::from(set).wrapping_neg()
+}
+
+/// The parts of a closed manifold that hang together, by a vertex near every vertex, none larger
+/// than itself.
+fn parts(mesh: &TriMesh, mut parents: Vec<u32>) -> Vec<Component> {
+    let roots = flatten(&mut parents);
+    if roots > 1 {
+        let blocks = parallel::blocks(mesh.triangles.len(), BLOCK, |range| {
+            let mut apart: Vec<[u32; 2]> = Vec::new();
+            for corners in &mesh.triangles[range] {
+                let [a, b, c] = corners.map(|v| parents[v as usize]);
+                if a != b || a != c {
+                    apart.extend([[a, b], [a, c]]);
+                }
+            }
+            apart.dedup();
+            apart
+        });
+        for [a, b] in blocks.into_iter().flatten() {
+            join(&mut parents, a, b);
+        }
+        flatten(&mut parents);
+    }
+    count_parts(mesh, &parents)
+}
+
+/// Makes every vertex name the first of its set; returns the number of sets.
+fn flatten(parents: &mut [u32]) -> usize {
+    let mut roots = 0;
+    // Parents come first, so that theirs are the roots already.
+    for v in 0..parents.len() {
+        let parent = parents[v] as usize;
+        roots += usize::from(parent == v);
+        parents[v] = parents[parent];
+    }
+    roots
+}
+
+/// Counts the triangles and vertices under each root.
+fn count_parts(mesh: &TriMesh, roots: &[u32]) -> Vec<Component> {
+    let mut components: Vec<Component> = Vec::new();
+    // The place of each root among them, found at its first triangle.
+    let mut places = std::collections::BTreeMap::new();
+    let mut last = (NONE, 0);
+    for (t, &[a, _, _]) in mesh.triangles.iter().enumerate() {
+        let root = roots[a as usize];
+        if root != last.0 {
+            let place = *places.entry(root).or_insert_with(|| {
+                components.push(Component { first_triangle: t as u32, triangles: 0, euler: 0 });
+                components.len() - 1
+            });
+            last = (root, place);
+        }
+        components[last.1].triangles += 1;
+    }
+    for &root in roots {
+        if root != last.0 {
+            match places.get(&root) {
+                Some(&place) => last = (root, place),
+                None => continue, // a vertex without triangles
+            }
+        }
+        components[last.1].euler += 1;
+    }
+    // A closed manifold has three edges for two triangles.
+    components.iter_mut().for_each(|part| part.euler -= part.triangles as i64 / 2);
+    components
+}
