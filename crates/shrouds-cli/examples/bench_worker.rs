@@ -3,11 +3,12 @@
 //!
 //! ```text
 //! bench_worker presets
-//! bench_worker VOLUME.npy NX,NY,NZ SX,SY,SZ PRESET THREADS
+//! bench_worker VOLUME NX,NY,NZ SX,SY,SZ PRESET THREADS
 //! ```
 //!
-//! The second form takes an array of 8-bit values indexed `[z, y, x]`. It does one piece of work for
-//! every line on standard input and answers with a line of JSON on standard output:
+//! The second form takes a file that ends with an array of 8-bit values indexed `[z, y, x]`, such as
+//! an NPY file. It does one piece of work for every line on standard input and answers with a line of
+//! JSON on standard output:
 //!
 //! * `run`: from the bytes to the finished mesh, as [`shrouds::shroud`] does it;
 //! * `stages`: the same, stage by stage;
@@ -29,6 +30,7 @@ use serde_json::{Map, Value, json};
 use shrouds::network::Network;
 use shrouds::optimize::{Report, optimize};
 use shrouds::surface::Surface;
+use shrouds::volume::{Border, FaceRule};
 use shrouds::{Grid, Occupancy, Select, Settings, Shroud, TriMesh, shroud};
 use shrouds_io::{MeshOptions, Precision, write_mesh};
 
@@ -47,7 +49,7 @@ fn main() -> Done<()> {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.parse()?).build()?;
             pool.install(|| worker.serve())
         }
-        _ => Err("bench_worker presets | VOLUME.npy NX,NY,NZ SX,SY,SZ PRESET THREADS".into()),
+        _ => Err("bench_worker presets | VOLUME NX,NY,NZ SX,SY,SZ PRESET THREADS".into()),
     }
 }
 
@@ -64,7 +66,7 @@ impl Worker {
         // What comes before the values is the header.
         let mut values = fs::read(volume)?;
         let header = values.len().checked_sub(grid.point_count());
-        values.drain(..header.ok_or("the volume has fewer values than its dimensions say")?);
+        values.drain(..header.ok_or("the file is shorter than its dimensions say")?);
         let found = presets::presets().into_iter().find(|(name, _)| *name == preset);
         let (_, settings) = found.ok_or_else(|| format!("no preset {preset}"))?;
         Ok(Self { grid, values, settings, last: None })
@@ -89,7 +91,7 @@ impl Worker {
         self.last = None;
         let memory = Memory::now();
         let clock = Clock::start();
-        let volume = kernel_bits(&self.grid, &self.values)?;
+        let volume = bits(&self.grid, &self.values)?;
         let done = shroud(&volume, &self.settings)?;
         let mut answer = clock.read();
         answer.insert("memory".into(), json!(memory.map(|memory| memory.growth())));
@@ -104,10 +106,10 @@ impl Worker {
         let mut answer = Map::new();
         let mut stage = |name: &str, clock: Clock| answer.insert(name.into(), clock.read().into());
         let clock = Clock::start();
-        let volume = kernel_bits(grid, values)?;
+        let volume = bits(grid, values)?;
         stage("bits", clock);
         let clock = Clock::start();
-        let surface = kernel_surface(&volume, settings)?;
+        let surface = Surface::extract(&volume, settings.faces, settings.border)?;
         stage("surface", clock);
         let clock = Clock::start();
         let network = Network::trace(&surface);
@@ -126,9 +128,7 @@ impl Worker {
     fn midpoint(&mut self) -> Done<Value> {
         self.last = None;
         let clock = Clock::start();
-        let volume = kernel_bits(&self.grid, &self.values)?;
-        let surface = kernel_surface(&volume, &self.settings)?;
-        let (vertices, triangles) = midpoint_mesh(&surface);
+        let (vertices, triangles) = kernel_midpoint(&self.grid, &self.values)?;
         let mut answer = clock.read();
         answer.insert("vertices".into(), json!(vertices.len()));
         answer.insert("triangles".into(), json!(triangles.len()));
@@ -143,16 +143,23 @@ impl Worker {
     }
 }
 
-// Kept apart, so that `cargo xtask bench --instructions` can count what happens in one of them.
-
-#[inline(never)]
-fn kernel_bits(grid: &Grid, values: &[u8]) -> Done<Occupancy> {
+fn bits(grid: &Grid, values: &[u8]) -> Done<Occupancy> {
     Ok(Occupancy::from_values(grid.clone(), values, &Select::NonZero)?)
 }
 
+// The two kernels are functions of their own, so that `cargo xtask bench --instructions` can count
+// what happens in each.
+
+/// Vertices and triangles of the midpoint surface M (equation 2).
 #[inline(never)]
-fn kernel_surface(volume: &Occupancy, settings: &Settings) -> Done<Surface> {
-    Ok(Surface::extract(volume, settings.faces, settings.border)?)
+fn kernel_midpoint(grid: &Grid, values: &[u8]) -> Done<(Vec<[f64; 3]>, Vec<[u32; 3]>)> {
+    let volume = bits(grid, values)?;
+    let surface = Surface::extract(&volume, FaceRule::default(), Border::default())?;
+    let mut vertices = Vec::with_capacity(surface.vertex_count());
+    for crossing in surface.crossings() {
+        vertices.push(surface.grid().point(crossing.position(0.5)));
+    }
+    Ok((vertices, surface.fixed_triangles()))
 }
 
 #[inline(never)]
@@ -164,15 +171,6 @@ fn kernel_solve(
 ) -> Done<(Vec<f64>, Report)> {
     let mut go_on = |_| ControlFlow::Continue(());
     Ok(optimize(volume, surface, network, &settings.optimize, &mut go_on)?)
-}
-
-/// Vertices and triangles of the midpoint surface M (equation 2).
-fn midpoint_mesh(surface: &Surface) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
-    let mut vertices = Vec::with_capacity(surface.vertex_count());
-    for crossing in surface.crossings() {
-        vertices.push(surface.grid().point(crossing.position(0.5)));
-    }
-    (vertices, surface.fixed_triangles())
 }
 
 fn describe(answer: &mut Map<String, Value>, mesh: &TriMesh, report: &Report) {
