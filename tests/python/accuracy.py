@@ -252,10 +252,10 @@ def run(command):
     return seconds, peak / (1024**2 if sys.platform == "darwin" else 1024)
 
 
-def bench(program, folder, surface):
-    """Shrouds every volume on one thread and yields its row."""
+def bench(program, folder, surface, names=VOLUMES):
+    """Shrouds volumes on one thread and yields a row for each."""
     folder.mkdir(parents=True, exist_ok=True)
-    for name in VOLUMES:
+    for name in names:
         made, dims, spacing = body(name)
         volume, mesh = folder / f"{name}.npy", folder / f"{name}-{surface}.ply"
         np.save(volume, occupancy(made, dims, spacing).transpose(2, 1, 0).astype("u1", order="C"))
