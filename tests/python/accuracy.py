@@ -18,7 +18,7 @@ import numpy as np
 from judge import windings, wrong_side
 
 VOLUMES = ["tori24", "sphere32", "sphere128", "tori128", "tori128_1x1x3"]
-# Triangles that are judged at a time: bounds the memory.
+# Vertices or triangles that are judged at a time: bounds the memory.
 BLOCK = 1 << 19
 
 
@@ -176,8 +176,14 @@ def measure(made, dims, spacing, vertices, triangles):
 
 def errors(made, vertices, triangles):
     """Distance, direction, volume, area and smallest angles of a mesh against its body."""
-    blocks = np.array_split(triangles, len(triangles) // BLOCK + 1)
-    parts = [_errors_of(made, vertices[block]) for block in blocks]
+    corner = np.empty(len(vertices))
+    for block in blocks(len(vertices)):
+        judged = made.judged(vertices[block])
+        corner[block] = np.where(judged, made.distance_and_normal(vertices[block])[0], np.nan)
+    parts = [
+        _errors_of(made, vertices[triangles[block]], corner[triangles[block]])
+        for block in blocks(len(triangles))
+    ]
     total = {key: sum(part[key] for part in parts) for key in parts[0] if key != "angles"}
     return {
         "distance": np.sqrt(total["squared distance"] / total["judged area"]),
@@ -188,16 +194,23 @@ def errors(made, vertices, triangles):
     }
 
 
-def _errors_of(made, corners):
-    """What triangles, given by their corners, add to each integral; squares times area."""
+def blocks(count):
+    """Slices of at most `BLOCK` that cover `count` entries; one where there is nothing."""
+    return [slice(start, start + BLOCK) for start in range(0, max(count, 1), BLOCK)]
+
+
+def _errors_of(made, corners, of_corner):
+    """What triangles add to each integral, squares times area.
+
+    They are given by their corners and the distances of those, NaN where they are not judged.
+    """
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.linalg.norm(cross, axis=1) / 2
     middle = corners.mean(1)
-    judged = made.judged(middle) & made.judged(corners.reshape(-1, 3)).reshape(-1, 3).all(1)
+    judged = made.judged(middle) & np.isfinite(of_corner).all(1)
     of_middle, true_normal = made.distance_and_normal(middle[judged])
-    of_corner = made.distance_and_normal(corners[judged].reshape(-1, 3))[0].reshape(-1, 3)
     # Exact where the distance varies linearly over the triangle.
-    squared = (of_corner**2).sum(1) / 12 + 0.75 * of_middle**2
+    squared = (of_corner[judged] ** 2).sum(1) / 12 + 0.75 * of_middle**2
     away = np.linalg.norm(np.cross(cross[judged], true_normal), axis=1)
     angle = np.arctan2(away, (cross[judged] * true_normal).sum(1))
     return {
@@ -213,12 +226,15 @@ def _errors_of(made, corners):
 def wrong_by_majority(spacing, vertices, triangles, inside):
     """Lattice points on the wrong side, as most of the lines along x, y and z tell.
 
-    On a closed mesh the three agree; a line through a crack is wrong from there on.
+    On a closed mesh the three agree; a line through a crack is wrong from there on. A mesh that is
+    right along all lines in x is not looked at again.
     """
     points, wrong = vertices / spacing, np.zeros(inside.shape, np.uint8)
     for turn in ([0, 1, 2], [1, 2, 0], [2, 0, 1]):
         turned = inside.transpose(turn)
         wrong.transpose(turn)[:] += windings(points[:, turn], triangles, turned.shape) != turned
+        if not wrong.any():
+            return 0
     return int((wrong >= 2).sum())
 
 

@@ -325,13 +325,18 @@ def tables(bench):
         yield f"program{suffix}", PROGRAM, bench.program(names)
 
 
-def circumstances():
-    """When and on what: stands above every table."""
-    commit = ["git", "-C", ROOT, "describe", "--always", "--dirty", "--abbrev=10"]
-    done = subprocess.run(commit, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+def commit():
+    """What is measured; asked before the first table makes the document differ."""
+    command = ["git", "-C", ROOT, "describe", "--always", "--dirty", "--abbrev=10"]
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    return done.stdout.strip() or "no commit"
+
+
+def circumstances(measured):
+    """When, what and on which machine: stands above every table."""
     load = f", load {os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else ""
     day = time.strftime("%Y-%m-%d")
-    return f"*{day}, {done.stdout.strip() or 'no commit'}, {processor()}, {os.cpu_count()} cores{load}.*"
+    return f"*{day}, {measured}, {processor()}, {os.cpu_count()} cores{load}.*"
 
 
 def processor():
@@ -370,8 +375,9 @@ def main():
     parser.add_argument("--peers", choices=["vtk", "none"], default="vtk")
     arguments = parser.parse_args()
     complete = not arguments.quick and arguments.peers == "vtk"
+    measured = commit()
     for name, columns, rows in tables(Bench(arguments)):
-        lines = ["", circumstances(), "", *accuracy.table(columns, rows), ""]
+        lines = ["", circumstances(measured), "", *accuracy.table(columns, rows), ""]
         print(f"## {name}", *lines, sep="\n", flush=True)
         if complete and rewrite(arguments.document, name, lines):
             say(f"{arguments.document} has a new table {name}")
