@@ -14,6 +14,7 @@ import platform
 import subprocess
 import sys
 import time
+from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
@@ -141,23 +142,23 @@ class Bench:
         return speed, stages, midpoint
 
     def preset(self, volume, preset):
-        """A row of ours, of VTK in turns with it, and of our stages."""
+        """A row of ours, one of VTK in turns with it (if asked for), and one of our stages."""
         say(f"{volume.name}, {preset}")
         mesh = self.folder / f"{volume.name}-{preset}.ply"
-        with self.ours(volume, preset) as ours:
+        with ExitStack() as workers:
+            ours = workers.enter_context(self.ours(volume, preset))
+            contenders = [(ours, "run")]
             if self.arguments.peers == "vtk":
-                with self.vtk(volume) as vtk:
-                    contenders = [(vtk, "nets"), (ours, "run")]
-                    (first_peer, first), (peers, runs) = alternate(contenders, self.repeats)
-                    vtk.ask(f"save {self.vtk_mesh(volume)}")
-            else:
-                first_peer, peers = None, []
-                (first,), (runs,) = alternate([(ours, "run")], self.repeats)
+                contenders.append((workers.enter_context(self.vtk(volume)), "nets"))
+            first, later = alternate(contenders, self.repeats)
             ours.ask(f"save {mesh}")
+            for vtk, _ in contenders[1:]:
+                vtk.ask(f"save {self.vtk_mesh(volume)}")
             _, (parts,) = alternate([(ours, "stages")], min(3, self.repeats))
-        row = cost(first, runs, f"shrouds {preset}", volume)
-        peer = first_peer and {**cost(first_peer, peers, "vtkSurfaceNets3D", volume), "ratio": 1}
-        if peer:
+        row = cost(first[0], later[0], f"shrouds {preset}", volume)
+        peer = None
+        if len(first) > 1:
+            peer = {**cost(first[1], later[1], "vtkSurfaceNets3D", volume), "ratio": 1}
             row["ratio"] = row["cpu"] / peer["cpu"]
         stage = {"name": volume.name, "preset": preset, "vertices": row["vertices"]}
         for name in STAGE_NAMES:
@@ -174,9 +175,14 @@ class Bench:
 
     def midpoint(self, volume):
         say(f"{volume.name}, midpoint")
-        keys = ["ours", "flying", "discrete"] if self.arguments.peers == "vtk" else ["ours"]
-        with self.ours(volume, self.presets[0]) as ours, self.vtk(volume) if keys[1:] else ours as vtk:
-            contenders = [(ours, "midpoint"), (vtk, "flying"), (vtk, "discrete")][: len(keys)]
+        keys = ["ours"]
+        with ExitStack() as workers:
+            ours = workers.enter_context(self.ours(volume, self.presets[0]))
+            contenders = [(ours, "midpoint")]
+            if self.arguments.peers == "vtk":
+                keys += ["flying", "discrete"]
+                vtk = workers.enter_context(self.vtk(volume))
+                contenders += [(vtk, key) for key in keys[1:]]
             first, later = alternate(contenders, self.repeats)
         row = {"name": volume.name, "vertices": first[0]["vertices"]}
         row |= {key: 1e3 * least(answers, "cpu") for key, answers in zip(keys, later)}
