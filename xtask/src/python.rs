@@ -1,7 +1,7 @@
 //! The Python environment of the judges: pinned packages in `target/python`.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result};
@@ -26,10 +26,15 @@ pub(crate) fn environment() -> Result<PathBuf> {
         "cannot make a Python environment: install Python 3.10 or newer with its module venv \
          (on Debian and Ubuntu: apt-get install python3-venv)",
     )?;
-    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r"];
-    run(Command::new(&interpreter).args(pip).arg(&requirements)).context(
-        "cannot install the Python packages: is a package index reachable (pip config list)?",
-    )?;
+    install(&interpreter, &["-r", &requirements.display().to_string()])?;
     fs::write(&mark, wanted).with_context(|| format!("cannot write {}", mark.display()))?;
     Ok(interpreter)
+}
+
+/// Installs packages, given as to pip, unless they are there.
+pub(crate) fn install(interpreter: &Path, packages: &[&str]) -> Result<()> {
+    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+    run(Command::new(interpreter).args(pip).args(packages)).context(
+        "cannot install the Python packages: is a package index reachable (pip config list)?",
+    )
 }

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use anyhow::{Result, anyhow};
 
-use crate::{cargo, program, python, root, run as execute, shown};
+use crate::{bench_instructions, cargo, program, python, root, run as execute, shown};
 
 /// Runs all steps and stops at the first that fails.
 pub(crate) fn run() -> Result<()> {
@@ -29,6 +29,11 @@ pub(crate) fn run() -> Result<()> {
         .env("SHROUDS_BIN", program())
         .current_dir(root());
     steps.command("Python tests", judges)?;
+    let counted = "cargo xtask bench --instructions";
+    match bench_instructions::obstacle() {
+        Some(obstacle) => println!("\n== instruction counts: skipped, {obstacle}"),
+        None => steps.step("instruction counts", counted, || bench_instructions::run(false))?,
+    }
     println!("\n{} passed, 0 failed", steps.passed);
     Ok(())
 }

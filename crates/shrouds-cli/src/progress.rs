@@ -55,12 +55,24 @@ impl Progress {
         self.bar.set_position(done);
     }
 
-    /// How far the optimisation has come.
+    /// How far the optimisation has come: a bar where its length is known.
     pub(crate) fn optimize(&self, progress: optimize::Progress) {
-        let optimize::Progress { iteration, change, tolerance, .. } = progress;
-        self.bar.set_message(format!(
-            "optimizing: iteration {iteration}, change {change:.1e}, until {tolerance:.0e}"
-        ));
+        const STEPS: u64 = 1000;
+        let optimize::Progress { iteration, change, tolerance, share_done, .. } = progress;
+        let Some(share) = share_done else {
+            self.bar.set_message(format!(
+                "optimizing: iteration {iteration}, change {change:.1e}, until {tolerance:.0e}"
+            ));
+            return;
+        };
+        if self.bar.length() != Some(STEPS) {
+            let template = "{spinner} optimizing [{wide_bar}] {percent} %";
+            if let Ok(style) = ProgressStyle::with_template(template) {
+                self.bar.set_style(style.progress_chars("=> "));
+            }
+            self.bar.set_length(STEPS);
+        }
+        self.bar.set_position((share * STEPS as f64) as u64);
     }
 }
 

@@ -133,7 +133,6 @@ pub(crate) struct FoundExpected<T> {
 pub(crate) struct Times {
     pub(crate) read: f64,
     pub(crate) surface: f64,
-    pub(crate) network: f64,
     pub(crate) optimize: f64,
     pub(crate) mesh: f64,
     pub(crate) check: f64,
@@ -255,8 +254,8 @@ impl Checks {
 
 impl Times {
     fn new(read: f64, times: shrouds::Times) -> Self {
-        let shrouds::Times { surface, network, optimize, mesh } = times;
-        Self { read, surface, network, optimize, mesh, check: 0.0, write: 0.0, total: 0.0 }
+        let shrouds::Times { surface, optimize, mesh } = times;
+        Self { read, surface, optimize, mesh, check: 0.0, write: 0.0, total: 0.0 }
     }
 }
 

@@ -10,7 +10,7 @@ use shrouds::{Select, Settings, optimize};
 use shrouds_io::{Progress, VolumeOptions};
 
 use crate::args::{
-    Axes, Border, Energy, Faces, FrameChoice, Parameter, ShroudArgs, Solver, Start, SurfaceKind,
+    Axes, Border, Energy, Faces, FrameChoice, Parameter, Preset, ShroudArgs, Solver, Start, SurfaceKind,
     TriangleRule, VolumeArgs,
 };
 use crate::failure::Failure;
@@ -21,7 +21,8 @@ pub(crate) struct SettingsReport {
     energy: Energy,
     parameter: Option<Parameter>,
     solver: Solver,
-    tolerance: f64,
+    preset: Option<Preset>,
+    tolerance: Option<f64>,
     max_iterations: usize,
     start: Start,
     margin: f64,
@@ -51,10 +52,11 @@ impl Job {
             return Err(Failure::Call(message.into()));
         }
         let (energy, parameter) = energy(args)?;
+        let preset = preset(args)?;
         let settings = Settings {
             faces: face_rule(args.faces),
             border: border(args.border),
-            optimize: optimize_settings(args, energy),
+            optimize: optimize_settings(args, energy, preset),
             mesh: match args.surface {
                 SurfaceKind::Primal => MeshKind::Primal,
                 SurfaceKind::Dual => MeshKind::Dual,
@@ -68,7 +70,8 @@ impl Job {
             energy: args.energy,
             parameter,
             solver: args.solver,
-            tolerance: settings.optimize.tolerance(),
+            preset,
+            tolerance: settings.optimize.converges().then(|| settings.optimize.tolerance()),
             max_iterations: settings.optimize.max_iterations(),
             start: args.start,
             margin: settings.optimize.margin,
@@ -79,6 +82,23 @@ impl Job {
             frame,
         };
         Ok(Self { settings, report, frame, strict: args.strict })
+    }
+}
+
+/// The preset; the sweeps have none.
+fn preset(args: &ShroudArgs) -> Result<Option<Preset>, Failure> {
+    let to_the_end = if args.strict { "--strict" } else { "--tolerance" };
+    let is_to_the_end = args.strict || args.tolerance.is_some();
+    match (args.solver, args.preset) {
+        (Solver::Sweeps, None) => Ok(None),
+        (Solver::Sweeps, Some(_)) => {
+            Err(Failure::Call("--preset has no meaning for --solver sweeps: leave it out".into()))
+        }
+        (Solver::Newton, Some(Preset::Fast | Preset::Default)) if is_to_the_end => Err(
+            Failure::Call(format!("{to_the_end} needs --preset exact: the others do not converge")),
+        ),
+        (Solver::Newton, None) if is_to_the_end => Ok(Some(Preset::Exact)),
+        (Solver::Newton, preset) => Ok(Some(preset.unwrap_or(Preset::Default))),
     }
 }
 
@@ -109,8 +129,17 @@ fn parameter(name: Parameter) -> energy::Parameter {
     }
 }
 
-fn optimize_settings(args: &ShroudArgs, energy: Arc<dyn CurveEnergy>) -> optimize::Settings {
+fn optimize_settings(
+    args: &ShroudArgs,
+    energy: Arc<dyn CurveEnergy>,
+    preset: Option<Preset>,
+) -> optimize::Settings {
     optimize::Settings {
+        preset: match preset {
+            Some(Preset::Fast) => optimize::Preset::Fast,
+            Some(Preset::Default) => optimize::Preset::Default,
+            Some(Preset::Exact) | None => optimize::Preset::Exact,
+        },
         energy,
         solver: match args.solver {
             Solver::Newton => optimize::Solver::Newton,

@@ -13,7 +13,7 @@ use shrouds::energy::{
     Bending, Curvature, CurveEnergy, CurveFormula, Linear, Parameter, Point2, Scalar,
 };
 use shrouds::network::Network;
-use shrouds::optimize::{Report, Settings, Solver, Start, Status, optimize};
+use shrouds::optimize::{Preset, Report, Settings, Solver, Start, Status, optimize};
 use shrouds::surface::Surface;
 use shrouds::volume::{Border, FaceRule, phantom};
 use shrouds::{Error, Grid, Occupancy};
@@ -34,8 +34,13 @@ fn run_on(
     settings: &Settings,
 ) -> (Vec<f64>, Report) {
     let surface = Surface::extract(volume, rule, border).unwrap();
-    let network = Network::trace(&surface);
-    optimize(volume, &surface, &network, settings, &mut |_| ControlFlow::Continue(())).unwrap()
+    let optimum = optimize(&surface, settings, &mut |_| ControlFlow::Continue(())).unwrap();
+    (optimum.delta, optimum.report)
+}
+
+/// Settings that go on until they converge.
+fn exact() -> Settings {
+    Settings { preset: Preset::Exact, ..Settings::default() }
 }
 
 fn run(volume: &Occupancy, settings: &Settings) -> (Vec<f64>, Report) {
@@ -68,7 +73,7 @@ proptest! {
                         energy: energy.clone(), solver, margin,
                         start: Start::Random(seed),
                         max_iterations: Some(6),
-                        ..Settings::default()
+                        ..exact()
                     };
                     let (delta, report) = run_on(&volume, rule, border, &settings);
                     for round in &report.rounds {
@@ -95,7 +100,7 @@ fn sweeps_and_newton_agree_on_the_convex_energy() {
                 start,
                 tolerance: Some(tolerance),
                 max_iterations: Some(100_000),
-                ..Settings::default()
+                ..exact()
             };
             let (delta, report) = run(&volume, &settings);
             assert_eq!(report.status, Status::Converged, "{solver:?} {report:?}");
@@ -116,7 +121,7 @@ fn the_convex_energy_has_one_minimum_from_any_start() {
             energy: Arc::new(Linear::default()),
             start,
             tolerance: Some(1e-11),
-            ..Settings::default()
+            ..exact()
         };
         let (delta, report) = run(&volume, &settings);
         assert_eq!(report.status, Status::Converged);
@@ -134,7 +139,7 @@ fn bending_ends_at_the_same_surface_from_any_start() {
     let tolerance = 1e-7;
     for volume in [phantom::sphere(32).unwrap(), egg(), phantom::linked_tori(24).unwrap()] {
         let from = |start| {
-            let settings = Settings { start, tolerance: Some(tolerance), ..Settings::default() };
+            let settings = Settings { start, tolerance: Some(tolerance), ..exact() };
             let (delta, report) = run(&volume, &settings);
             assert_eq!(report.status, Status::Converged);
             (delta, report.energy[1])
@@ -154,7 +159,7 @@ fn bending_ends_at_the_same_surface_from_any_start() {
 fn one_thread_and_two_give_the_same_bits() {
     // More vertices than a block, so that two threads share the work.
     let volume = phantom::sphere(48).unwrap();
-    let settings = Settings { max_iterations: Some(5), ..Settings::default() };
+    let settings = Settings { max_iterations: Some(5), ..exact() };
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| run(&volume, &settings))
@@ -178,7 +183,7 @@ fn the_sum_over_curves_is_the_energy() {
         energy: Arc::new(energy),
         start: Start::Random(5),
         max_iterations: Some(1),
-        ..Settings::default()
+        ..exact()
     };
     let (delta, report) = run(&volume, &settings);
     // Equation 9, straight from the polygons in space, each slice weighted by its distance to the
@@ -206,7 +211,7 @@ fn the_sum_over_curves_is_the_energy() {
 fn a_start_is_where_it_says() {
     let volume = egg();
     let started = |start| {
-        let settings = Settings { start, max_iterations: Some(0), ..Settings::default() };
+        let settings = Settings { start, max_iterations: Some(0), ..exact() };
         let (delta, report) = run(&volume, &settings);
         assert_eq!((report.status, report.iterations), (Status::IterationLimit, 0));
         delta
@@ -224,7 +229,7 @@ fn the_blurred_start_follows_the_shape() {
     let volume = phantom::sphere(32).unwrap();
     let surface = Surface::extract(&volume, FaceRule::Separate, Border::Closed).unwrap();
     let squared_distance = |start| {
-        let settings = Settings { start, max_iterations: Some(0), ..Settings::default() };
+        let settings = Settings { start, max_iterations: Some(0), ..exact() };
         let (delta, _) = run(&volume, &settings);
         let distance = |(crossing, &d): (shrouds::surface::Crossing, &f64)| {
             let p = surface.grid().point(crossing.position(d));
@@ -241,16 +246,14 @@ fn the_blurred_start_follows_the_shape() {
 fn settings_out_of_range_are_refused() {
     let volume = egg();
     let surface = Surface::extract(&volume, FaceRule::Separate, Border::Closed).unwrap();
-    let network = Network::trace(&surface);
     for settings in [
-        Settings { margin: 0.0, ..Settings::default() },
-        Settings { margin: 0.2, ..Settings::default() },
-        Settings { margin: f64::NAN, ..Settings::default() },
-        Settings { tolerance: Some(0.0), ..Settings::default() },
-        Settings { tolerance: Some(f64::NAN), ..Settings::default() },
+        Settings { margin: 0.0, ..exact() },
+        Settings { margin: 0.2, ..exact() },
+        Settings { margin: f64::NAN, ..exact() },
+        Settings { tolerance: Some(0.0), ..exact() },
+        Settings { tolerance: Some(f64::NAN), ..exact() },
     ] {
-        let result =
-            optimize(&volume, &surface, &network, &settings, &mut |_| ControlFlow::Continue(()));
+        let result = optimize(&surface, &settings, &mut |_| ControlFlow::Continue(()));
         assert!(matches!(result, Err(Error::Setting { .. })));
     }
 }
@@ -259,15 +262,15 @@ fn settings_out_of_range_are_refused() {
 fn the_observer_can_stop_the_work() {
     let volume = egg();
     let surface = Surface::extract(&volume, FaceRule::Separate, Border::Closed).unwrap();
-    let network = Network::trace(&surface);
     for solver in [Solver::Newton, Solver::Sweeps] {
-        let settings = Settings { solver, tolerance: Some(1e-12), ..Settings::default() };
+        let settings = Settings { solver, tolerance: Some(1e-12), ..exact() };
         let mut seen = Vec::new();
-        let (_, report) = optimize(&volume, &surface, &network, &settings, &mut |progress| {
+        let report = optimize(&surface, &settings, &mut |progress| {
             seen.push(progress.iteration);
             if progress.iteration >= 2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         })
-        .unwrap();
+        .unwrap()
+        .report;
         assert_eq!((report.status, report.iterations), (Status::Cancelled, 2));
         assert_eq!(seen.last(), Some(&2));
     }
@@ -303,7 +306,7 @@ fn a_foreign_energy_can_be_plugged_in() {
             energy: Arc::new(Length),
             solver,
             tolerance: Some(1e-10),
-            ..Settings::default()
+            ..exact()
         };
         let (delta, report) = run(&volume, &settings);
         assert_eq!(report.status, Status::Converged);

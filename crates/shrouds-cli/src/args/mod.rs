@@ -10,7 +10,7 @@ mod volume;
 use clap::{Args, Parser, Subcommand};
 
 pub(crate) use names::{
-    Axes, Border, Energy, Faces, FrameChoice, Parameter, Solver, SurfaceKind, TriangleRule,
+    Axes, Border, Energy, Faces, FrameChoice, Parameter, Preset, Solver, SurfaceKind, TriangleRule,
 };
 pub(crate) use shroud::ShroudArgs;
 pub(crate) use values::Start;

@@ -37,6 +37,18 @@ pub(crate) enum Solver {
     Sweeps,
 }
 
+/// How much work goes into the minimum.
+#[derive(ValueEnum, Serialize, Debug, Clone, Copy, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Preset {
+    /// One step: smooth to the eye, at the least cost
+    Fast,
+    /// Three steps: a few hundredths of a voxel from the minimum
+    Default,
+    /// Until it converges
+    Exact,
+}
+
 /// How a cell face with two inside corners on one diagonal is cut.
 #[derive(ValueEnum, Serialize, Debug, Clone, Copy, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]

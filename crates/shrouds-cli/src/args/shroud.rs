@@ -4,7 +4,7 @@ use clap::Args;
 
 use crate::args::values::{self, Start};
 use crate::args::{
-    Border, Energy, Faces, FrameChoice, Parameter, Solver, SurfaceKind, TriangleRule,
+    Border, Energy, Faces, FrameChoice, Parameter, Preset, Solver, SurfaceKind, TriangleRule,
 };
 
 #[derive(Args)]
@@ -17,10 +17,13 @@ pub(crate) struct ShroudArgs {
     /// for curvature, uniform for linear]
     #[arg(long, value_enum)]
     pub(crate) parameter: Option<Parameter>,
+    /// How much work goes into the minimum; --tolerance and --strict ask for exact [default: default]
+    #[arg(long, value_enum)]
+    pub(crate) preset: Option<Preset>,
     /// How the minimum is sought
     #[arg(long, value_enum, default_value_t = Solver::Newton)]
     pub(crate) solver: Solver,
-    /// When to stop, above 0 and below 1. newton: root mean square of the remaining step, in voxels
+    /// When to stop, above 0 and below 1. newton, exact: root mean square of the remaining step, in voxels
     /// [default: 5e-4]; sweeps: relative change in one sweep [default: 1e-6]
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = values::fraction)]
     pub(crate) tolerance: Option<f64>,

@@ -65,10 +65,11 @@ pub fn optimize(
         bounds: [settings.margin, 1.0 - settings.margin],
     };
     let x = start::positions(surface, &settings.start, conditions.spacing, conditions.bounds);
-    let passes = relax::passes(settings.preset);
-    Ok(match passes.filter(|_| settings.solver == Solver::Newton) {
-        Some(passes) => relaxed(surface, &conditions, passes, settings, x, observer),
-        None => converged(surface, &conditions, settings, x, observer),
+    Ok(match relax::passes(settings.preset) {
+        Some(passes) if !settings.converges() && !x.is_empty() => {
+            relaxed(surface, &conditions, passes, settings, x, observer)
+        }
+        _ => converged(surface, &conditions, settings, x, observer),
     })
 }
 

@@ -95,6 +95,11 @@ impl Settings {
         })
     }
 
+    /// Whether the work goes on until the stop rule is satisfied.
+    pub fn converges(&self) -> bool {
+        self.solver == Solver::Sweeps || self.preset == Preset::Exact
+    }
+
     pub(super) fn validate(&self) -> Result<(), Error> {
         let refuse =
             |name, value: f64, range| Err(Error::Setting { name, value: value.to_string(), range });

@@ -172,7 +172,7 @@ fn segments_are_those_of_a_naive_scan() {
     for surface in surfaces() {
         let numbers = numbers(&surface.crossings().collect::<Vec<_>>());
         for (normal, k) in (0..3).flat_map(|n| (0..surface.slice_count()).map(move |k| (n, k))) {
-            let mut found = Vec::new();
+            let mut found: Vec<(u32, u32)> = Vec::new();
             surface.for_each_segment(normal, k, |segment| found.push(segment.vertices.into()));
             let expected = naive_segments(&surface, &numbers, normal, k);
             assert_eq!(found, expected, "normal {normal}, slice {k}, {:?}", surface.grid().dims());
