@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use crate::surface::Surface;
-use crate::surface::bits::{mask_below, rank, set_bits, shifted};
+use crate::surface::bits::{mask_below, rank, set_bits};
 use crate::surface::cells::rows_around;
 use crate::surface::face_rule::segments;
 use crate::volume::FaceRule;
@@ -102,11 +102,12 @@ impl Surface {
         // First vertices on the edges in cyclic order: along y, up z, back along y, down z.
         let mut first = [a[1], b[2], d[1], a[2]];
         let [a, b, d, c] = rows_around(&self.volume, j, k);
-        for w in 0..a.len() {
-            let faces = FaceWord::new([a[w], b[w], c[w], d[w]]);
-            if faces.crossed == [0; 4] {
+        let pairs = a.iter().zip(b).zip(c.iter().zip(d));
+        for ((&a, &b), (&c, &d)) in pairs {
+            if (a ^ b) | (b ^ c) | (c ^ d) == 0 {
                 continue;
             }
+            let faces = FaceWord::new([a, b, c, d]);
             faces.visit(u64::MAX, first, emit);
             for (first, crossed) in first.iter_mut().zip(faces.crossed) {
                 *first += crossed.count_ones();
@@ -126,8 +127,12 @@ impl Surface {
         let [a, b] = [self.rows[ak * ny + aj], self.rows[bk * ny + bj]];
         let mut first = [a[0], b[0], a[3 - normal]];
         let (a, b) = (self.volume.row(aj, ak), self.volume.row(bj, bk));
-        for w in 0..a.len() {
-            let (near, far) = ([a[w], b[w]], [shifted(a, w), shifted(b, w)]);
+        let nexts = a[1..].iter().zip(&b[1..]).chain([(&0, &0)]);
+        for (w, ((&a, &b), (&next_a, &next_b))) in a.iter().zip(b).zip(nexts).enumerate() {
+            let (near, far) = ([a, b], [a >> 1 | next_a << 63, b >> 1 | next_b << 63]);
+            if (a ^ b) | (a ^ far[0]) | (b ^ far[1]) == 0 {
+                continue;
+            }
             let cells = mask_below(nx - 1, w);
             let [xa, xb, across] = first;
             let high = across + ((near[0] ^ near[1]) & 1) as u32;
@@ -137,11 +142,7 @@ impl Surface {
             } else {
                 ([near[0], near[1], far[1], far[0]], [across, xb, high, xa])
             };
-            let faces = FaceWord::new(corners);
-            if faces.crossed == [0; 4] {
-                continue;
-            }
-            faces.visit(cells, edges, emit);
+            FaceWord::new(corners).visit(cells, edges, emit);
             let streams =
                 [(near[0] ^ far[0]) & cells, (near[1] ^ far[1]) & cells, near[0] ^ near[1]];
             for (first, stream) in first.iter_mut().zip(streams) {
