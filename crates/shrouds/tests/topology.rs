@@ -60,7 +60,7 @@ proptest! {
                 prop_assert_eq!(report.valence_four, report.vertices);
             }
             // Equation 8: any two families of curves hold every vertex.
-            let curves = network.curves();
+            let curves = network.curves().collect::<Vec<_>>();
             for skipped in 0..3 {
                 let mut seen = vec![0; surface.vertex_count()];
                 for curve in curves.iter().filter(|curve| curve.axis != skipped) {

@@ -11,7 +11,9 @@ use crate::parallel::{self, NONE};
 
 /// Largest barrier strength, and the least weight factor `1 − n_p²`.
 const BARRIER_CAP: f64 = 0.01;
-const LEAST_WEIGHT: f32 = 1e-4;
+const LEAST_WEIGHT: f64 = 1e-4;
+/// What stands for the slope of a curve that runs straight along a grid edge.
+const STEEPEST: f64 = 1e6;
 
 /// What a problem is made of besides the curves.
 pub(super) struct Conditions<'a> {
@@ -31,7 +33,7 @@ pub(super) struct Problem<'a, R> {
     pub(super) bounds: [R; 2],
     /// Weight of ρ at each vertex on both of its curves, but for the distance of the slices; 0 where
     /// a neighbour is missing.
-    weights: Vec<[f32; 2]>,
+    weights: Vec<[R; 2]>,
     /// Strength μ of the barrier.
     barrier: f64,
     /// Whether a vertex must stay where it is.
@@ -73,11 +75,11 @@ impl<'a, R: Real> Problem<'a, R> {
             energy: conditions.energy,
             table: StepTable::new(conditions.spacing),
             bounds: conditions.bounds.map(R::from_f64),
-            weights: vec![[0.0; 2]; network.vertex_count()],
+            weights: vec![[R::default(); 2]; network.vertex_count()],
             barrier: 0.0,
             is_fixed: vec![false; network.vertex_count()],
         };
-        problem.set_weights(|_| [1.0; 2]);
+        problem.set_weights(|_| [R::from_f64(1.0); 2]);
         problem
     }
 
@@ -109,10 +111,13 @@ impl<'a, R: Real> Problem<'a, R> {
         let (network, slopes) = (self.network, self.place_slopes(x));
         self.set_weights(|v| {
             let [a, b] = [slopes[network.place(v, 0)], slopes[network.place(v, 1)]];
-            let (a, b) = (a * a, b * b);
-            let inverse = 1.0 / (1.0 + a + b);
-            let weight = |share: f32| power_of_root(share.max(LEAST_WEIGHT), exponent);
-            [weight((1.0 + a) * inverse), weight((1.0 + b) * inverse)]
+            let (a, b, one) = (a * a, b * b, R::from_f64(1.0));
+            let inverse = one / (one + a + b);
+            let least = R::from_f64(LEAST_WEIGHT);
+            let weight = |share: R| {
+                power_of_root(if share > least { share } else { least }, exponent)
+            };
+            [weight((one + a) * inverse), weight((one + b) * inverse)]
         });
     }
 
@@ -124,7 +129,8 @@ impl<'a, R: Real> Problem<'a, R> {
         let mut slopes = vec![[0.0; 2]; x.len()];
         parallel::fill(&mut slopes, |v| {
             let [a, b] = self.network.places()[v];
-            [of_places[a as usize], of_places[b as usize]]
+            let slopes = [of_places[a as usize], of_places[b as usize]];
+            slopes.map(|slope| slope.to_f64().clamp(-STEEPEST, STEEPEST) as f32)
         });
         slopes
     }
@@ -136,8 +142,8 @@ impl<'a, R: Real> Problem<'a, R> {
     }
 
     /// [`Problem::slopes`], place by place.
-    fn place_slopes(&self, x: &[R]) -> Vec<f32> {
-        let mut slopes = vec![0.0; self.network.vertices().len()];
+    fn place_slopes(&self, x: &[R]) -> Vec<R> {
+        let mut slopes = vec![R::default(); self.network.vertices().len()];
         parallel::update_blocks(&mut slopes, NONE, |first, slopes, []| {
             self.strips(x, first..first + slopes.len(), |strip, places| {
                 for n in (0..places.len()).step_by(LANES) {
@@ -153,7 +159,7 @@ impl<'a, R: Real> Problem<'a, R> {
     }
 
     /// Weighs each place by a factor of its vertex, and by nothing where its curve ends.
-    fn set_weights(&mut self, factors: impl Fn(u32) -> [f32; 2] + Sync) {
+    fn set_weights(&mut self, factors: impl Fn(u32) -> [R; 2] + Sync) {
         let network = self.network;
         let is_within = |place: usize| {
             network.steps()[place - 1].is_linked() && network.steps()[place].is_linked()
@@ -162,8 +168,8 @@ impl<'a, R: Real> Problem<'a, R> {
             let v = v as u32;
             let [a, b] = factors(v);
             [
-                if is_within(network.place(v, 0)) { a } else { 0.0 },
-                if is_within(network.place(v, 1)) { b } else { 0.0 },
+                if is_within(network.place(v, 0)) { a } else { R::default() },
+                if is_within(network.place(v, 1)) { b } else { R::default() },
             ]
         });
     }
@@ -397,10 +403,9 @@ fn single<R: Real>([u, v]: [Lanes<R>; 2]) -> [Lanes<f32>; 2] {
 
 /// See [`Problem::slopes`].
 #[inline(always)]
-fn slopes_along<R: Real>(strip: &Strip<R>, n: usize) -> Lanes<f32> {
-    let (before, after) = (single(strip.chords(n - 1)), single(strip.chords(n)));
-    let moves = single(strip.moves(n));
-    let mut slopes = [0.0; LANES];
+fn slopes_along<R: Real>(strip: &Strip<R>, n: usize) -> Lanes<R> {
+    let (before, after, moves) = (strip.chords(n - 1), strip.chords(n), strip.moves(n));
+    let mut slopes = [R::default(); LANES];
     for l in 0..LANES {
         let [a, b] = [[before[0][l], before[1][l]], [after[0][l], after[1][l]]];
         // Both tangents at a vertex are weighted by the inverse of their chords' squared lengths;
@@ -409,18 +414,15 @@ fn slopes_along<R: Real>(strip: &Strip<R>, n: usize) -> Lanes<f32> {
         let tangent = [wa * a[0] + wb * b[0], wa * a[1] + wb * b[1]];
         let along = tangent[0] * moves[0][l] + tangent[1] * moves[1][l];
         let across = tangent[0] * moves[1][l] + tangent[1] * moves[0][l];
-        // A curve straight along the edge has no slope; one this steep stands for it.
-        slopes[l] = (along / across).clamp(-1e6, 1e6);
+        slopes[l] = along / across;
     }
     slopes
 }
 
 /// The square root of `x` to a power.
-fn power_of_root(x: f32, exponent: f64) -> f32 {
-    let root = x.sqrt();
+fn power_of_root<R: Real>(x: R, exponent: f64) -> R {
     if exponent == 5.0 {
-        x * x * root
-    } else {
-        root.powf(exponent as f32)
+        return x * x * x.sqrt();
     }
+    R::from_f64(x.to_f64().powf(0.5 * exponent))
 }

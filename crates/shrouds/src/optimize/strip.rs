@@ -71,10 +71,10 @@ impl<R: Real, const LENGTH: usize> Strip<R, LENGTH> {
 
     /// Sets the place at index `n`; its weight is without the distance of the slices.
     #[inline(always)]
-    pub(super) fn set(&mut self, n: usize, row: StepRow<R>, x: R, weight: f32) {
+    pub(super) fn set(&mut self, n: usize, row: StepRow<R>, x: R, weight: R) {
         (self.moves[0][n], self.moves[1][n]) = (row.moves[0], row.moves[1]);
         (self.shift[0][n], self.shift[1][n]) = (row.shift[0], row.shift[1]);
-        self.weight[n] = R::from_f64(f64::from(weight)) * row.distance;
+        self.weight[n] = weight * row.distance;
         self.move_to(n, x);
     }
 
