@@ -136,7 +136,7 @@ fn the_convex_energy_has_one_minimum_from_any_start() {
 
 #[test]
 fn bending_ends_at_the_same_surface_from_any_start() {
-    let tolerance = 1e-7;
+    let tolerance = 2e-8;
     for volume in [phantom::sphere(32).unwrap(), egg(), phantom::linked_tori(24).unwrap()] {
         let from = |start| {
             let settings = Settings { start, tolerance: Some(tolerance), ..exact() };
