@@ -8,6 +8,8 @@ use shrouds::check::CheckReport;
 use shrouds::optimize::Round;
 use shrouds::{Shroud, TriMesh};
 
+use crate::args::Preset;
+use crate::console::plural;
 use crate::input::Source;
 use crate::settings::{Job, SettingsReport};
 
@@ -156,6 +158,17 @@ impl Report {
             memory: None,
             version: env!("CARGO_PKG_VERSION"),
         }
+    }
+
+    /// In words, how far from the minimum the preset stopped, unless it is one that converges.
+    pub(crate) fn shortfall(&self) -> Option<String> {
+        let preset = self.settings.preset.filter(|&preset| preset != Preset::Exact)?;
+        Some(format!(
+            "--preset {} stopped after {}, before convergence: remaining step {:.1e} voxels RMS",
+            preset.name(),
+            plural(self.solver.iterations, "iteration"),
+            self.solver.projected_step.rms,
+        ))
     }
 }
 

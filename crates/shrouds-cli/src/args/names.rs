@@ -49,6 +49,17 @@ pub(crate) enum Preset {
     Exact,
 }
 
+impl Preset {
+    /// As it is typed.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Fast => "fast",
+            Self::Default => "default",
+            Self::Exact => "exact",
+        }
+    }
+}
+
 /// How a cell face with two inside corners on one diagonal is cut.
 #[derive(ValueEnum, Serialize, Debug, Clone, Copy, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
