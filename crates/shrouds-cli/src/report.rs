@@ -160,11 +160,12 @@ impl Report {
         }
     }
 
-    /// In words, how far from the minimum the preset stopped, unless it is one that converges.
+    /// In words, that the preset stopped before the minimum, and what is left, unless it is one that
+    /// converges. Together the vertices would move farther than each one alone.
     pub(crate) fn shortfall(&self) -> Option<String> {
         let preset = self.settings.preset.filter(|&preset| preset != Preset::Exact)?;
         Some(format!(
-            "--preset {} stopped after {}, before convergence: remaining step {:.1e} voxels RMS",
+            "--preset {} stopped after {}, before convergence: each vertex alone would still move {:.1e} voxels RMS",
             preset.name(),
             plural(self.solver.iterations, "iteration"),
             self.solver.projected_step.rms,

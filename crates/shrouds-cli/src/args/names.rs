@@ -43,7 +43,7 @@ pub(crate) enum Solver {
 pub(crate) enum Preset {
     /// One step: smooth to the eye, at the least cost
     Fast,
-    /// Three steps: a few hundredths of a voxel from the minimum
+    /// Three steps: near the minimum on smooth shapes
     Default,
     /// Until it converges
     Exact,

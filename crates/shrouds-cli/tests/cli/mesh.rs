@@ -177,7 +177,8 @@ fn presets_tell_how_far_they_went() {
         assert_eq!(report["solver"]["status"], "preset done");
         assert_eq!(report["solver"]["iterations"], steps);
         let rms = report["solver"]["projected_step"]["rms"].as_f64().unwrap();
-        let told = format!("before convergence: remaining step {rms:.1e} voxels RMS");
+        let told =
+            format!("before convergence: each vertex alone would still move {rms:.1e} voxels");
         assert_eq!((done.code, done.err.lines().count()), (0, 1), "{}", done.err);
         assert!(done.err.contains(&told), "no '{told}' in {}", done.err);
         assert!(done.err.contains(&format!("--preset {preset} stopped after {steps} ")));
