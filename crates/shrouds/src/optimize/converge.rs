@@ -17,7 +17,7 @@ const EARLY_STEPS: usize = 4;
 const EARLY_DECREASE: f64 = 0.02;
 const SETTLED: f64 = 1e-3;
 /// Effort for one step.
-const EFFORT: Effort = Effort { segment: 25, segments: 4, reduction: 1e-2, converges: true };
+const EFFORT: Effort = Effort { segment: 25, segments: 4, reduction: 1e-2, repairs: true, converges: true };
 
 /// Steps until the root mean square of the projected step falls to the tolerance.
 pub(super) fn solve<R: Real>(

@@ -59,7 +59,7 @@ impl<R: Real> Model<R> {
             let range = first..first + slopes.len();
             let mut rho = vec![R::default(); range.len()];
             let mut terms = Terms::new();
-            problem.strips(x, range.clone(), |strip, places| {
+            problem.strips(x, range.clone(), true, |strip, places| {
                 terms.fill(problem, strip, places.len());
                 let out = places.start - first..places.end - first;
                 let count = out.len();

@@ -21,13 +21,15 @@ const GROUP: usize = 8;
 pub(super) type Passes = &'static [&'static [Effort]];
 
 const fn iterations(count: usize) -> Effort {
-    Effort { segment: count, segments: 1, reduction: 1e-3, converges: false }
+    Effort { segment: count, segments: 1, reduction: 1e-3, repairs: true, converges: false }
 }
 
 /// What a preset does; nothing for the one that converges.
 pub(super) fn passes(preset: Preset) -> Option<Passes> {
     const FAST: Passes = &[&[iterations(20)]];
-    const DEFAULT: Passes = &[&[iterations(10), iterations(20)], &[iterations(30)]];
+    // What goes wrong in the first step the next one mends.
+    const FIRST: Effort = Effort { repairs: false, ..iterations(10) };
+    const DEFAULT: Passes = &[&[FIRST, iterations(20)], &[iterations(30)]];
     match preset {
         Preset::Fast => Some(FAST),
         Preset::Default => Some(DEFAULT),
