@@ -9,7 +9,7 @@ use crate::optimize::settings::{Observer, Progress, Settings};
 
 /// The most often that weights and barrier are frozen anew, if the energy has any. They settle sooner:
 /// the rounds end with the first that finds nothing to do.
-const ROUNDS: usize = 12;
+const ROUNDS: usize = 24;
 /// Steps in all rounds but the last, which runs until the stop rule is satisfied; such a round also
 /// ends when a step lowers the energy by less than `EARLY_DECREASE`, unless by so little that the
 /// round may well be the last.

@@ -70,6 +70,8 @@ pub(super) fn relax(
         left -= steps.len();
         steps
     };
+    let whole: usize = passes.iter().map(|steps| steps.len()).sum();
+    let end = if most_steps < whole { Status::IterationLimit } else { Status::Preset };
     let passes: Vec<&[Effort]> = passes.iter().map(shorten).collect();
     let mut relaxed = Relaxed {
         rounds: Vec::new(),
@@ -85,7 +87,7 @@ pub(super) fn relax(
             true => [vec![TileRows::all(surface)], Vec::new(), Vec::new(), Vec::new()],
             false => partition(surface, TILE, n % 2 == 1),
         };
-        let mut pass = Pass::new(passes, n + 1 == visits.len());
+        let mut pass = Pass::new(passes, if n + 1 == visits.len() { end } else { Status::IterationLimit });
         let groups: Vec<&[TileRows]> = colours.iter().flat_map(|c| c.chunks(GROUP)).collect();
         for (done, tiles) in groups.iter().enumerate() {
             let found = parallel::blocks(tiles.len(), 1, |range| {
@@ -147,11 +149,11 @@ struct Pass {
 }
 
 impl Pass {
-    fn new(passes: &[&[Effort]], is_last: bool) -> Self {
+    fn new(passes: &[&[Effort]], status: Status) -> Self {
         Self {
             energies: passes.iter().map(|steps| vec![0.0; steps.len() + 1]).collect(),
             stationarity: Stationarity::default(),
-            status: if is_last { Status::Preset } else { Status::IterationLimit },
+            status,
         }
     }
 
