@@ -19,8 +19,9 @@ use crate::parallel;
 
 /// Vertices that are followed side by side.
 const LANES: usize = 8;
-/// The most triangles around a vertex.
-const SPOKES: usize = 16;
+/// The most triangles around a vertex; few have more than half of them.
+const SPOKES: usize = 2 * HALF;
+const HALF: usize = 8;
 /// Stretches that share their memory.
 const GROUP: usize = 4;
 /// Triangles per block of parallel work.
@@ -59,8 +60,9 @@ struct Spokes {
 
 /// The spokes of a stretch of vertices, eight vertices after the other.
 struct Fans {
-    /// Entry `SPOKES · g + n` holds spoke `n` of the vertices of group `g`.
-    spokes: Vec<Spokes>,
+    /// Entry `g` holds the first half of the spokes of the vertices of group `g`.
+    first: Vec<[Spokes; HALF]>,
+    second: Vec<[Spokes; HALF]>,
     /// Number of spokes of every vertex.
     degrees: Vec<[u32; LANES]>,
 }
@@ -68,8 +70,12 @@ struct Fans {
 impl Fans {
     fn new(size: usize) -> Self {
         let groups = size.div_ceil(LANES);
-        let none = Spokes { starts: [0; LANES], ends: [0; LANES] };
-        Self { spokes: vec![none; SPOKES * groups], degrees: vec![[0; LANES]; groups] }
+        let none = [Spokes { starts: [0; LANES], ends: [0; LANES] }; HALF];
+        Self {
+            first: vec![none; groups],
+            second: vec![none; groups],
+            degrees: vec![[0; LANES]; groups],
+        }
     }
 
     /// Takes the spokes of the vertices in `range`. Returns whether there is room for all, and every
@@ -92,7 +98,8 @@ impl Fans {
                     let spoke = *degree as usize;
                     *degree += 1;
                     most = most.max(*degree);
-                    let entry = &mut self.spokes[v / LANES * SPOKES + spoke % SPOKES];
+                    let half = if spoke < HALF { &mut self.first } else { &mut self.second };
+                    let entry = &mut half[v / LANES][spoke % HALF];
                     entry.starts[v % LANES] = start;
                     entry.ends[v % LANES] = end;
                 }
@@ -104,12 +111,16 @@ impl Fans {
     /// Whether the spokes of every vertex from `first` on that has any form one closed fan. Gives
     /// every vertex the smallest one near it, or itself.
     fn are_closed(&self, first: u32, nearest: &mut [u32]) -> bool {
-        let groups = self.spokes.as_chunks::<SPOKES>().0.iter().zip(&self.degrees);
         let mut all = true;
-        for (n, ((spokes, degrees), nearest)) in groups.zip(nearest.chunks_mut(LANES)).enumerate() {
+        for (n, nearest) in nearest.chunks_mut(LANES).enumerate() {
+            let degrees = &self.degrees[n];
             let most = degrees.iter().fold(0, |most, &degree| most.max(degree));
+            let spokes = [&self.first[n], &self.second[n]];
             let (closed, least) = match most {
-                0..=8 => follow::<8>(spokes, degrees),
+                0..=6 => follow::<6>(spokes, degrees),
+                7..=8 => follow::<8>(spokes, degrees),
+                9..=10 => follow::<10>(spokes, degrees),
+                11..=12 => follow::<12>(spokes, degrees),
                 _ => follow::<SPOKES>(spokes, degrees),
             };
             all &= closed;
@@ -123,27 +134,30 @@ impl Fans {
 }
 
 /// Whether eight fans of up to `MOST` spokes are closed, and the smallest vertex of each.
+#[inline(never)]
 fn follow<const MOST: usize>(
-    spokes: &[Spokes; SPOKES],
+    spokes: [&[Spokes; HALF]; 2],
     degrees: &[u32; LANES],
 ) -> (bool, [u32; LANES]) {
     // Spokes that a fan does not have begin nowhere.
-    let mut starts = [[NONE; LANES]; MOST];
+    let (mut starts, mut ends) = ([[NONE; LANES]; MOST], [[NONE; LANES]; MOST]);
     let mut least = [NONE; LANES];
-    for (n, starts) in starts.iter_mut().enumerate() {
+    for n in 0..MOST {
+        let spokes = &spokes[n / HALF][n % HALF];
         for lane in 0..LANES {
-            starts[lane] = spokes[n].starts[lane] | !mask((n as u32) < degrees[lane]);
-            least[lane] = least[lane].min(starts[lane]);
+            starts[n][lane] = spokes.starts[lane] | !mask((n as u32) < degrees[lane]);
+            ends[n][lane] = spokes.ends[lane];
+            least[lane] = least[lane].min(starts[n][lane]);
         }
     }
-    let mut here = spokes[0].ends;
+    let mut here = ends[0];
     let mut wrong = [0; LANES];
     for passed in 1..=MOST as u32 {
         let (mut next, mut found) = ([0; LANES], [0; LANES]);
         for n in 0..MOST {
             for lane in 0..LANES {
                 let same = mask(starts[n][lane] == here[lane]);
-                next[lane] |= same & spokes[n].ends[lane];
+                next[lane] |= same & ends[n][lane];
                 found[lane] |= same;
             }
         }
