@@ -133,7 +133,7 @@ impl<'a> Lattice<'a> {
                     let low = (index + NEAR).floor();
                     let rest = index - low;
                     let between = rest > NEAR;
-                    wrong[n] |= between & ((rest < FAR) | (rest > 1.0 - FAR));
+                    wrong[n] |= between & !((rest >= FAR) & (rest <= 1.0 - FAR));
                     wrong[n] |= !((low >= -1.0) & (low <= last[d]));
                     doubled[d][n] = 2 * whole(low) + i32::from(between);
                     axis[n] += d as i32 * i32::from(between);
@@ -221,4 +221,77 @@ fn whole(x: f64) -> i32 {
 fn key([x, y, z, axis]: Place) -> i64 {
     let field = |doubled: i32| i64::from((doubled >> 1) + 1);
     field(z) << 44 | field(y) << 23 | i64::from(axis) << 21 | field(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::check::fans::closed_parts;
+    use crate::check::fans::tests::{OBLIQUE, damaged, mesh_of, noise, random};
+    use crate::check::{CheckSettings, check, separation};
+    use crate::grid::Grid;
+    use crate::mesh::MeshKind;
+    use crate::volume::{Border, FaceRule, phantom};
+
+    #[test]
+    fn vertices_on_grid_edges_go_the_short_way_in_any_frame() {
+        for mirror in [1.0, -1.0] {
+            let affine = OBLIQUE.map(|[a, b, c, d]| [mirror * a, b, c, d]);
+            let grid = Grid::with_affine([20, 18, 150], affine).unwrap();
+            for faces in [FaceRule::Separate, FaceRule::Join] {
+                let volume = phantom::noise(&grid, 0.4, 5).unwrap();
+                let mesh = mesh_of(&volume, faces, MeshKind::Primal);
+                assert!(separates(&Windows::new(&mesh).unwrap(), &volume));
+            }
+        }
+    }
+
+    #[test]
+    fn what_goes_the_short_way_separates_in_the_long_one_too() {
+        let volume = noise([9, 8, 7], 0.4);
+        let good = mesh_of(&volume, FaceRule::Separate, MeshKind::Primal);
+        let mut below = random(4);
+        let mut refused = 0;
+        for round in 0..600 {
+            let mut mesh = damaged(&good, &mut below);
+            let mut volume = volume.clone();
+            if round % 3 == 0 {
+                // A good mesh of another volume.
+                mesh = good.clone();
+                let point = volume.grid().dims().map(&mut below);
+                volume.set(point, !volume.get(point));
+            } else if round % 100 == 1 {
+                // Inside out.
+                mesh = good.clone();
+                mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(0, 1));
+            }
+            let Some(windows) = Windows::new(&mesh) else { continue };
+            if closed_parts(&windows).is_none() {
+                continue;
+            }
+            let long = separation::separation(&mesh, &volume, Border::Closed, 3).unwrap();
+            let is_right = !long.inverted
+                && long.wrong_side.is_empty()
+                && long.odd_winding.is_empty()
+                && long.touching.is_empty();
+            assert!(!separates(&windows, &volume) || is_right, "round {round}: {long:?}");
+            refused += usize::from(!is_right);
+        }
+        assert!(refused > 150, "{refused} of 600");
+    }
+
+    #[test]
+    fn reports_are_the_same_either_way() {
+        let volume = noise([12, 11, 10], 0.4);
+        for kind in [MeshKind::Primal, MeshKind::Dual] {
+            let mesh = mesh_of(&volume, FaceRule::Separate, kind);
+            let settings = CheckSettings { self_intersections: false, ..CheckSettings::default() };
+            let short = check(&mesh, &volume, &settings).unwrap();
+            let all = CheckSettings { all_axes: true, ..settings };
+            let mut long = check(&mesh, &volume, &all).unwrap();
+            long.settings = settings;
+            long.separation.axes = 1;
+            assert_eq!(short, long);
+        }
+    }
 }

@@ -206,9 +206,8 @@ impl Polygon {
     /// Whether the diagonal `i`–`j` may be used: it must not run between the two neighbours of a
     /// middle, as the edge does that the middle is there to replace.
     fn is_legal(&self, i: usize, j: usize) -> bool {
-        let cuts_off = |a: usize, b: usize| {
-            (a + 2) % self.count == b && self.corners[(a + 1) % self.count].1
-        };
+        let cuts_off =
+            |a: usize, b: usize| (a + 2) % self.count == b && self.corners[(a + 1) % self.count].1;
         !(cuts_off(i, j) || cuts_off(j, i))
     }
 }
