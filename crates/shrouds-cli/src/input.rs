@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use shrouds::{Occupancy, Select};
-use shrouds_io::{Frame, Volume, mesh_format, read_volume, volume_format};
+use shrouds_io::{Frame, Volume, mesh_format, read_occupancy, read_volume, volume_format};
 
 use crate::args::VolumeArgs;
 use crate::console::{Console, number};
@@ -66,19 +66,28 @@ pub(crate) fn source(
     progress: &Progress,
 ) -> Result<Source, Failure> {
     let start = Instant::now();
-    let volume = volume(path, args, progress)?;
-    progress.stage("selecting");
     let select = select(args);
-    let occupancy = occupancy(path, &volume, &select)?;
+    // Of several labels some may be missing; to say so, and why nothing is inside, takes all values.
+    let several = matches!(&select, Select::Labels(wanted) if wanted.len() > 1);
+    let whole = if several { Some(volume(path, args, progress)?) } else { None };
+    let (occupancy, frame) = match &whole {
+        Some(volume) => (occupancy(path, volume, &select)?, volume.frame.clone()),
+        None => {
+            progress.stage("reading");
+            let report = |done, bytes| progress.read(done, bytes);
+            read_occupancy(path, &volume_options(args, &report), &select)?
+        }
+    };
     if occupancy.count() == 0 {
+        let volume = whole.map_or_else(|| volume(path, args, progress), Ok)?;
         return Err(Failure::Undone(format!("{}: {}", path.display(), nothing(&volume, &select))));
     }
-    if let Some(missing) = missing_labels(&volume, &select) {
+    if let Some(missing) = whole.and_then(|volume| missing_labels(&volume, &select)) {
         console.warn(&format!("{}: {missing}", path.display()));
     }
     let seconds = start.elapsed().as_secs_f64();
     let selection = in_words(&select);
-    let (path, frame, truth) = (path.into(), volume.frame, [None; 2]);
+    let (path, truth) = (path.into(), [None; 2]);
     Ok(Source { path, selection, occupancy, frame, truth, seconds })
 }
 

@@ -92,6 +92,14 @@ pub enum Error {
         /// What is wrong with them.
         cause: shrouds::Error,
     },
+    /// A value of the file has no side.
+    #[error("{}: {cause}", .path.display())]
+    Values {
+        /// The file.
+        path: PathBuf,
+        /// Which one.
+        cause: shrouds::Error,
+    },
     /// The mesh has a damaged part, or the file ends inside it.
     #[error("{}: the mesh is damaged: {problem}; write the file again", .path.display())]
     Mesh {

@@ -30,5 +30,6 @@ pub use error::Error;
 pub use mesh::{MeshFormat, MeshOptions, Precision, mesh_format, read_mesh, write_mesh};
 pub use stream::Progress;
 pub use volume::{
-    Axes, Frame, Values, Volume, VolumeFormat, VolumeOptions, read_volume, volume_format, write_npy,
+    Axes, Frame, Values, Volume, VolumeFormat, VolumeOptions, read_occupancy, read_volume,
+    volume_format, write_npy,
 };

@@ -60,6 +60,7 @@ impl Grid {
     }
 
     /// Lattice points along x, y, z.
+    #[inline]
     pub fn dims(&self) -> [usize; 3] {
         self.dims
     }
@@ -84,6 +85,12 @@ impl Grid {
         self.dims.iter().product()
     }
 
+    /// Checks that there is one value per lattice point.
+    pub(crate) fn check_length(&self, values: usize) -> Result<(), Error> {
+        let (dims, points) = (self.dims, self.point_count());
+        if values == points { Ok(()) } else { Err(Error::Length { values, dims, points }) }
+    }
+
     /// Volume of one voxel in cubic world units.
     pub fn voxel_volume(&self) -> f64 {
         self.determinant().abs()
@@ -95,6 +102,7 @@ impl Grid {
     }
 
     /// World position of an index, which need not be whole.
+    #[inline]
     pub fn point(&self, index: [f64; 3]) -> [f64; 3] {
         let a = &self.affine;
         std::array::from_fn(|r| {

@@ -100,6 +100,25 @@ proptest! {
     }
 
     #[test]
+    fn the_midpoint_mesh_is_what_placing_makes_of_one_half(volume in volumes()) {
+        let mut affine = volume.grid().affine();
+        affine[0][0] *= -1.0;
+        let mirrored = Grid::with_affine(volume.grid().dims(), affine).unwrap();
+        let mirrored = Occupancy::from_fn(mirrored, |point| volume.get(point));
+        let volumes = CONVENTIONS.iter().flat_map(|c| [(c, &volume), (c, &mirrored)]);
+        for (&(rule, border), volume) in volumes {
+            let surface = Surface::extract(volume, rule, border).unwrap();
+            let network = Network::trace(&surface);
+            let delta = vec![0.5; surface.vertex_count()];
+            let placed =
+                TriMesh::place(&surface, &network, &delta, MeshKind::Primal, Triangles::Fixed);
+            let midpoint = TriMesh::midpoint(&surface);
+            prop_assert!(midpoint.vertices == placed.vertices);
+            prop_assert!(midpoint.triangles == placed.triangles);
+        }
+    }
+
+    #[test]
     fn patches_and_fixed_triangles_do_not_depend_on_delta(
         volume in volumes(), seed in any::<u64>()
     ) {

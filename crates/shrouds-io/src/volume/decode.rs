@@ -1,10 +1,12 @@
-//! From stored bytes to values: the one decoder of all volume formats.
+//! From stored bytes to elements: the one decoder of all volume formats.
+
+use shrouds::volume::{Filler, Voxel};
 
 use crate::error::Error;
 use crate::stream::Stream;
 use crate::volume::Values;
 
-/// Bytes decoded at a time, a multiple of every element size.
+/// Bytes decoded at a time, unless a row is longer; a multiple of every element size.
 const CHUNK: usize = 1 << 20;
 
 /// Byte order.
@@ -43,73 +45,121 @@ impl Element {
     }
 }
 
-/// Reads `count` elements. Memory grows with the bytes that arrive; the length of an uncompressed
-/// file is checked first, the checksum of a compressed one last. Bytes after the last element are
-/// tolerated.
-pub(super) fn decode(
-    stream: &mut Stream,
-    element: Element,
-    endian: Endian,
-    count: usize,
-) -> Result<Values, Error> {
-    macro_rules! read {
-        ($variant:ident, $type:ty) => {
-            Values::$variant(match endian {
-                Endian::Little => collect(stream, count, <$type>::from_le_bytes)?,
-                Endian::Big => collect(stream, count, <$type>::from_be_bytes)?,
-            })
-        };
-    }
-    let values = match element {
-        Element::Bool => Values::Bool(collect(stream, count, |[byte]: [u8; 1]| byte != 0)?),
-        Element::U8 => read!(U8, u8),
-        Element::I8 => read!(I8, i8),
-        Element::U16 => read!(U16, u16),
-        Element::I16 => read!(I16, i16),
-        Element::U32 => read!(U32, u32),
-        Element::I32 => read!(I32, i32),
-        Element::U64 => read!(U64, u64),
-        Element::I64 => read!(I64, i64),
-        Element::F16 => Values::F32(match endian {
-            Endian::Little => collect(stream, count, |b| half(u16::from_le_bytes(b)))?,
-            Endian::Big => collect(stream, count, |b| half(u16::from_be_bytes(b)))?,
-        }),
-        Element::F32 => read!(F32, f32),
-        Element::F64 => read!(F64, f64),
+/// `$body` with `$convert` bound to the function from stored bytes to an element.
+macro_rules! with_element {
+    ($element:expr, $endian:expr, $convert:ident => $body:expr) => {
+        with_element!(@types $element, $endian, $convert => $body;
+            U8 u8, I8 i8, U16 u16, I16 i16, U32 u32, I32 i32, U64 u64, I64 i64, F32 f32, F64 f64)
     };
-    stream.finish()?;
-    Ok(values)
+    (@types $element:expr, $endian:expr, $convert:ident => $body:expr; $($name:ident $type:ty),*) => {
+        match ($element, $endian) {
+            (Element::Bool, _) => {
+                let $convert = |[byte]: [u8; 1]| byte != 0;
+                $body
+            }
+            (Element::F16, Endian::Little) => {
+                let $convert = |bytes| half(u16::from_le_bytes(bytes));
+                $body
+            }
+            (Element::F16, Endian::Big) => {
+                let $convert = |bytes| half(u16::from_be_bytes(bytes));
+                $body
+            }
+            $((Element::$name, Endian::Little) => {
+                let $convert = <$type>::from_le_bytes;
+                $body
+            }
+            (Element::$name, Endian::Big) => {
+                let $convert = <$type>::from_be_bytes;
+                $body
+            })*
+        }
+    };
 }
 
-fn collect<T, const SIZE: usize>(
-    stream: &mut Stream,
-    count: usize,
-    convert: impl Fn([u8; SIZE]) -> T,
-) -> Result<Vec<T>, Error> {
-    let path = stream.path;
-    let expected = count as u64 * SIZE as u64;
-    let truncated = |found: u64| Error::Truncated { path: path.into(), expected, found };
-    let mut values = Vec::new();
-    if let Some(found) = stream.remaining() {
-        if found < expected {
+/// The elements of a volume file, all still to be read, and what its header says of them.
+///
+/// Memory grows with the bytes that arrive; the length of an uncompressed file is checked first, the
+/// checksum of a compressed one last. Bytes after the last element are tolerated.
+pub(super) struct Elements<'a> {
+    pub(super) stream: Stream<'a>,
+    pub(super) element: Element,
+    pub(super) endian: Endian,
+    pub(super) count: usize,
+}
+
+impl Elements<'_> {
+    /// Reads all of them.
+    pub(super) fn values(mut self) -> Result<Values, Error> {
+        let values = with_element!(self.element, self.endian, convert => {
+            let mut values = self.space()?;
+            self.pieces(convert, 1, |piece| values.extend_from_slice(piece))?;
+            Values::from(values)
+        });
+        self.stream.finish()?;
+        Ok(values)
+    }
+
+    /// Reads all of them into the rows of a volume, after `slope · element + shift` if that changes
+    /// anything.
+    pub(super) fn fill(
+        mut self,
+        filler: &mut Filler,
+        scaling: Option<(f64, f64)>,
+    ) -> Result<(), Error> {
+        let row = filler.row_length();
+        with_element!(self.element, self.endian, convert => match scaling {
+            None => self.pieces(convert, row, |piece| filler.push_rows(piece))?,
+            Some((slope, shift)) => {
+                let scaled = |bytes| convert(bytes).as_f64() * slope + shift;
+                self.pieces(scaled, row, |piece| filler.push_rows(piece))?;
+            }
+        });
+        self.stream.finish()
+    }
+
+    /// An empty list with space for the elements that a file of known length holds.
+    fn space<T>(&self) -> Result<Vec<T>, Error> {
+        let mut values = Vec::new();
+        let held = |bytes| bytes >= self.count as u64 * self.element.size() as u64;
+        if self.stream.remaining().is_some_and(held) {
+            values.try_reserve_exact(self.count).map_err(|_| {
+                let bytes = self.count * self.element.size();
+                let what = format!("a volume of {bytes} bytes, more than memory can hold,");
+                Error::unsupported(self.stream.path, what, "crop or downsample it first")
+            })?;
+        }
+        Ok(values)
+    }
+
+    /// Hands out all elements in order, converted, whole rows of this length at a time.
+    fn pieces<T, const SIZE: usize>(
+        &mut self,
+        convert: impl Fn([u8; SIZE]) -> T,
+        row: usize,
+        mut push: impl FnMut(&[T]),
+    ) -> Result<(), Error> {
+        let path = self.stream.path;
+        let expected = self.count as u64 * SIZE as u64;
+        let truncated = |found: u64| Error::Truncated { path: path.into(), expected, found };
+        if let Some(found) = self.stream.remaining().filter(|found| *found < expected) {
             return Err(truncated(found));
         }
-        values.try_reserve_exact(count).map_err(|_| {
-            let what = format!("a volume of {expected} bytes, more than memory can hold,");
-            Error::unsupported(path, what, "crop or downsample it first")
-        })?;
-    }
-    let mut buffer = vec![0; CHUNK.min(count * SIZE)];
-    while values.len() < count {
-        let wanted = CHUNK.min((count - values.len()) * SIZE);
-        let found = stream.fill(&mut buffer[..wanted])?;
-        let (elements, rest) = buffer[..found].as_chunks::<SIZE>();
-        values.extend(elements.iter().map(|bytes| convert(*bytes)));
-        if found < wanted {
-            return Err(truncated((values.len() * SIZE + rest.len()) as u64));
+        let step = row * (CHUNK / SIZE / row).max(1);
+        let mut buffer = vec![0; step.min(self.count) * SIZE];
+        let mut piece = Vec::with_capacity(step.min(self.count));
+        for done in (0..self.count).step_by(step) {
+            let bytes = &mut buffer[..step.min(self.count - done) * SIZE];
+            let found = self.stream.fill(bytes)?;
+            if found < bytes.len() {
+                return Err(truncated((done * SIZE + found) as u64));
+            }
+            piece.clear();
+            piece.extend(bytes.as_chunks::<SIZE>().0.iter().map(|bytes| convert(*bytes)));
+            push(&piece);
         }
+        Ok(())
     }
-    Ok(values)
 }
 
 /// IEEE 754 half precision: 1 sign bit, 5 exponent bits (bias 15), 10 fraction bits.

@@ -9,10 +9,12 @@ mod values;
 
 use std::path::Path;
 
+use shrouds::volume::Filler;
 use shrouds::{Grid, Occupancy, Select};
 
 use crate::error::Error;
 use crate::stream::{Progress, Stream};
+use crate::volume::decode::Elements;
 
 pub use npy::write_npy;
 pub use values::Values;
@@ -138,14 +140,54 @@ pub fn volume_format(path: impl AsRef<Path>) -> Result<VolumeFormat, Error> {
 /// sound but not a three-dimensional array of real numbers, [`Error::Lattice`] when its dimensions
 /// or its frame make no lattice.
 pub fn read_volume(path: impl AsRef<Path>, options: &VolumeOptions) -> Result<Volume, Error> {
+    let Unread { grid, frame, elements, z_fastest, scaling } = open(path.as_ref(), options)?;
+    let values = elements.values()?;
+    let values = match scaling {
+        Some((slope, shift)) => values.scaled(slope, shift),
+        None => values,
+    };
+    let values = if z_fastest { values.with_axes_reversed(grid.dims()) } else { values };
+    Ok(Volume { grid, values, frame })
+}
+
+/// Reads a volume as [`read_volume`] does, but keeps of every value only whether `select` chooses
+/// it: an eighth of a byte.
+///
+/// # Errors
+/// As for [`read_volume`]; [`Error::Values`] when a value is not a number.
+pub fn read_occupancy(
+    path: impl AsRef<Path>,
+    options: &VolumeOptions,
+    select: &Select,
+) -> Result<(Occupancy, Frame), Error> {
     let path = path.as_ref();
+    let Unread { grid, frame, elements, z_fastest, scaling } = open(path, options)?;
+    let filler = if z_fastest { Filler::z_fastest } else { Filler::new };
+    let mut filler = filler(grid, select.clone());
+    elements.fill(&mut filler, scaling)?;
+    let volume = filler.finish().map_err(|cause| Error::Values { path: path.into(), cause })?;
+    Ok((volume, frame))
+}
+
+/// A volume file whose header has been read.
+struct Unread<'a> {
+    grid: Grid,
+    frame: Frame,
+    elements: Elements<'a>,
+    /// Elements come z fastest, not x fastest.
+    z_fastest: bool,
+    /// Slope and shift from elements to values, if they change anything.
+    scaling: Option<(f64, f64)>,
+}
+
+fn open<'a>(path: &'a Path, options: &VolumeOptions<'a>) -> Result<Unread<'a>, Error> {
     let format = volume_format(path)?;
     let stream = Stream::open(path, options.progress)?;
     match format {
-        VolumeFormat::Npy => npy::read(stream, options),
-        VolumeFormat::Nifti => nifti::read(stream, options),
-        VolumeFormat::NiftiGz => nifti::read_compressed(stream, options),
-        VolumeFormat::Nrrd => nrrd::read(stream, options),
+        VolumeFormat::Npy => npy::open(stream, options),
+        VolumeFormat::Nifti => nifti::open(stream, options),
+        VolumeFormat::NiftiGz => nifti::open_compressed(stream, options),
+        VolumeFormat::Nrrd => nrrd::open(stream, options),
     }
 }
 

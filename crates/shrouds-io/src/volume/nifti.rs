@@ -7,9 +7,9 @@ use std::path::Path;
 
 use crate::error::Error;
 use crate::stream::Stream;
-use crate::volume::decode::{Element, Endian, decode};
+use crate::volume::decode::{Element, Elements, Endian};
 use crate::volume::nifti_affine::Placement;
-use crate::volume::{Volume, VolumeOptions, lattice};
+use crate::volume::{Unread, VolumeOptions, lattice};
 
 /// Bytes of a NIfTI-1 and a NIfTI-2 header; also the number each begins with.
 const SIZES: [usize; 2] = [348, 540];
@@ -30,18 +30,21 @@ struct Header {
     placement: Placement,
 }
 
-pub(super) fn read_compressed(
-    mut stream: Stream,
+pub(super) fn open_compressed<'a>(
+    mut stream: Stream<'a>,
     options: &VolumeOptions,
-) -> Result<Volume, Error> {
+) -> Result<Unread<'a>, Error> {
     if !stream.peek()?.starts_with(&[0x1f, 0x8b]) {
         let advice = "if it is not compressed, call it .nii";
         return Err(Error::Content { path: stream.path.into(), expected: "gzip data", advice });
     }
-    read(stream.unpacked(), options)
+    open(stream.unpacked(), options)
 }
 
-pub(super) fn read(mut stream: Stream, options: &VolumeOptions) -> Result<Volume, Error> {
+pub(super) fn open<'a>(
+    mut stream: Stream<'a>,
+    options: &VolumeOptions,
+) -> Result<Unread<'a>, Error> {
     let path = stream.path;
     let (header, used) = read_header(&mut stream)?;
     let dims = dimensions(path, &header.dim)?;
@@ -58,12 +61,9 @@ pub(super) fn read(mut stream: Stream, options: &VolumeOptions) -> Result<Volume
     let (affine, frame) = header.placement.affine(unit);
     let (grid, frame) = lattice(path, dims, affine, frame, options)?;
     stream.skip(data_offset(path, &header)? - used as u64)?;
-    let values = decode(&mut stream, element, header.endian, grid.point_count())?;
-    let values = match scaling(path, &header)? {
-        Some((slope, intercept)) => values.scaled(slope, intercept),
-        None => values,
-    };
-    Ok(Volume { grid, values, frame })
+    let scaling = scaling(path, &header)?;
+    let elements = Elements { stream, element, endian: header.endian, count: grid.point_count() };
+    Ok(Unread { grid, frame, elements, z_fastest: false, scaling })
 }
 
 /// Where the data starts. Files that say 0 mean right after the header.

@@ -9,8 +9,8 @@ use shrouds::Occupancy;
 use crate::atomic::write_atomically;
 use crate::error::Error;
 use crate::stream::Stream;
-use crate::volume::decode::{Element, Endian, decode};
-use crate::volume::{Axes, Frame, Volume, VolumeOptions, affine_of, diagonal, lattice};
+use crate::volume::decode::{Element, Elements, Endian};
+use crate::volume::{Axes, Frame, Unread, VolumeOptions, affine_of, diagonal, lattice};
 
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
 /// Longest header that is read: NumPy itself stops at 10 000 bytes.
@@ -23,7 +23,10 @@ struct Header {
     shape: [usize; 3],
 }
 
-pub(super) fn read(mut stream: Stream, options: &VolumeOptions) -> Result<Volume, Error> {
+pub(super) fn open<'a>(
+    mut stream: Stream<'a>,
+    options: &VolumeOptions,
+) -> Result<Unread<'a>, Error> {
     let path = stream.path;
     let header = read_header(&mut stream)?;
     // Memory order is x fastest when the last axis in a C array, or the first in a Fortran array,
@@ -34,9 +37,9 @@ pub(super) fn read(mut stream: Stream, options: &VolumeOptions) -> Result<Volume
     let frame = Frame::new("index", "unknown", "none");
     let affine = affine_of(diagonal([1.0; 3]), [0.0; 3]);
     let (grid, frame) = lattice(path, dims, affine, frame, options)?;
-    let values = decode(&mut stream, header.element, header.endian, grid.point_count())?;
-    let values = if x_fastest { values } else { values.with_axes_reversed(dims) };
-    Ok(Volume { grid, values, frame })
+    let (element, endian, count) = (header.element, header.endian, grid.point_count());
+    let elements = Elements { stream, element, endian, count };
+    Ok(Unread { grid, frame, elements, z_fastest: !x_fastest, scaling: None })
 }
 
 /// Writes a volume as a `uint8` array of 0 and 1, indexed `[z, y, x]` in C order. The frame of the

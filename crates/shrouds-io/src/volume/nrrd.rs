@@ -8,8 +8,8 @@ use std::path::Path;
 
 use crate::error::Error;
 use crate::stream::Stream;
-use crate::volume::decode::{Element, Endian, decode};
-use crate::volume::{Frame, Volume, VolumeOptions, affine_of, diagonal, lattice};
+use crate::volume::decode::{Element, Elements, Endian};
+use crate::volume::{Frame, Unread, VolumeOptions, affine_of, diagonal, lattice};
 
 /// Longest line and most lines that are read: 3D Slicer keeps tables of segments in its headers.
 const MAX_LINE: u64 = 1 << 20;
@@ -18,7 +18,10 @@ const MAX_LINES: usize = 1 << 16;
 /// Fields by name, in lower case, with their values.
 type Fields = BTreeMap<String, String>;
 
-pub(super) fn read(mut stream: Stream, options: &VolumeOptions) -> Result<Volume, Error> {
+pub(super) fn open<'a>(
+    mut stream: Stream<'a>,
+    options: &VolumeOptions,
+) -> Result<Unread<'a>, Error> {
     let path = stream.path;
     let fields = read_fields(&mut stream)?;
     let dims = dimensions(path, &fields)?;
@@ -27,9 +30,9 @@ pub(super) fn read(mut stream: Stream, options: &VolumeOptions) -> Result<Volume
     let gzip = is_gzip(path, &fields)?;
     let (affine, frame) = placement(path, &fields)?;
     let (grid, frame) = lattice(path, dims, affine, frame, options)?;
-    let mut data = if gzip { stream.unpacked() } else { stream };
-    let values = decode(&mut data, element, endian, grid.point_count())?;
-    Ok(Volume { grid, values, frame })
+    let stream = if gzip { stream.unpacked() } else { stream };
+    let elements = Elements { stream, element, endian, count: grid.point_count() };
+    Ok(Unread { grid, frame, elements, z_fastest: false, scaling: None })
 }
 
 fn read_fields(stream: &mut Stream) -> Result<Fields, Error> {

@@ -49,6 +49,18 @@ macro_rules! with_values {
     };
 }
 
+macro_rules! from_lists {
+    ($($variant:ident $type:ty),*) => {$(
+        impl From<Vec<$type>> for Values {
+            fn from(values: Vec<$type>) -> Self {
+                Self::$variant(values)
+            }
+        }
+    )*};
+}
+from_lists!(Bool bool, U8 u8, I8 i8, U16 u16, I16 i16, U32 u32, I32 i32, U64 u64, I64 i64);
+from_lists!(F32 f32, F64 f64);
+
 impl Values {
     /// Number of values.
     pub fn len(&self) -> usize {
@@ -101,19 +113,7 @@ impl Values {
 
     /// The same values x fastest, given z fastest; `dims` are x, y, z.
     pub(super) fn with_axes_reversed(self, dims: [usize; 3]) -> Self {
-        match self {
-            Self::Bool(v) => Self::Bool(reverse_axes(&v, dims)),
-            Self::U8(v) => Self::U8(reverse_axes(&v, dims)),
-            Self::I8(v) => Self::I8(reverse_axes(&v, dims)),
-            Self::U16(v) => Self::U16(reverse_axes(&v, dims)),
-            Self::I16(v) => Self::I16(reverse_axes(&v, dims)),
-            Self::U32(v) => Self::U32(reverse_axes(&v, dims)),
-            Self::I32(v) => Self::I32(reverse_axes(&v, dims)),
-            Self::U64(v) => Self::U64(reverse_axes(&v, dims)),
-            Self::I64(v) => Self::I64(reverse_axes(&v, dims)),
-            Self::F32(v) => Self::F32(reverse_axes(&v, dims)),
-            Self::F64(v) => Self::F64(reverse_axes(&v, dims)),
-        }
+        with_values!(self, v => Self::from(reverse_axes(&v, dims)))
     }
 }
 

@@ -1,10 +1,11 @@
 //! Files built byte by byte, as the formats prescribe.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use flate2::{Compression, write::GzEncoder};
-use shrouds_io::{Error, Values, Volume, VolumeOptions, read_volume};
+use shrouds::Select;
+use shrouds_io::{Error, Values, Volume, VolumeOptions, read_occupancy, read_volume};
 use tempfile::TempDir;
 
 /// A number that files store.
@@ -135,6 +136,25 @@ pub(crate) fn gzip(bytes: &[u8]) -> Vec<u8> {
     encoder.finish().unwrap()
 }
 
+/// The volume of a file; reading it straight into bits must come to the same.
+pub(crate) fn read_both(path: &Path, options: &VolumeOptions) -> Result<Volume, Error> {
+    let volume = read_volume(path, options);
+    for select in [Select::NonZero, Select::Above(3.5), Select::Labels(vec![1, 3, -2])] {
+        let bits = read_occupancy(path, options, &select);
+        match &volume {
+            Err(error) => assert_eq!(bits.unwrap_err().to_string(), error.to_string()),
+            Ok(volume) => match volume.occupancy(&select) {
+                Ok(expected) => assert_eq!(bits.unwrap(), (expected, volume.frame.clone())),
+                Err(error) => {
+                    let expected = format!("{}: {error}", path.display());
+                    assert_eq!(bits.unwrap_err().to_string(), expected);
+                }
+            },
+        }
+    }
+    volume
+}
+
 /// A folder that goes away, and the files in it.
 pub(crate) struct Folder(TempDir);
 
@@ -158,8 +178,9 @@ impl Folder {
         entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
     }
 
+    /// The volume of a file, read both as values and as bits.
     pub(crate) fn volume(&self, name: &str, bytes: &[u8]) -> Result<Volume, Error> {
-        read_volume(self.file(name, bytes), &VolumeOptions::default())
+        read_both(&self.file(name, bytes), &VolumeOptions::default())
     }
 
     /// The message of the error that these bytes must be.

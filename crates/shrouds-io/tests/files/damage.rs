@@ -4,9 +4,9 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use proptest::prelude::*;
-use shrouds_io::{Error, MeshOptions, VolumeOptions, read_mesh, read_volume, write_mesh};
+use shrouds_io::{Error, MeshOptions, VolumeOptions, read_mesh, write_mesh};
 
-use crate::common::{Folder, Nifti, gzip, npy, nrrd};
+use crate::common::{Folder, Nifti, gzip, npy, nrrd, read_both};
 use crate::meshes::octahedron;
 
 const NRRD: &str = "type: short\ndimension: 3\nsizes: 4 3 2\nendian: big\n\
@@ -47,7 +47,7 @@ fn meshes() -> Vec<(&'static str, Vec<u8>, usize)> {
 }
 
 fn read_any(path: &Path) -> Result<(), Error> {
-    match read_volume(path, &VolumeOptions::default()) {
+    match read_both(path, &VolumeOptions::default()) {
         Err(Error::Extension { .. }) => read_mesh(path).map(|_| ()),
         result => result.map(|_| ()),
     }

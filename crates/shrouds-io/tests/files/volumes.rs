@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use crate::common::{Folder, Nifti, bytes, cases, datatype, gzip, npy, nrrd};
+use crate::common::{Folder, Nifti, bytes, cases, datatype, gzip, npy, nrrd, read_both};
 use shrouds::{Grid, Occupancy, Select};
 use shrouds_io::{
     Axes, Error, Frame, Values, VolumeOptions, read_volume, volume_format, write_npy,
@@ -48,7 +48,7 @@ fn npy_orders_and_axes_agree_on_where_a_value_lies() {
         let path = folder.file("a.npy", &npy("'<u2'", fortran, shape, &bytes(stored, false)));
         let options =
             VolumeOptions { axes, spacing: Some([0.5, 1.0, 2.0]), ..VolumeOptions::default() };
-        let volume = read_volume(path, &options).unwrap();
+        let volume = read_both(&path, &options).unwrap();
         assert_eq!(volume.values, Values::U16(x_fastest.clone()), "{axes:?} {fortran}");
         assert_eq!(volume.grid, Grid::new(DIMS, [0.5, 1.0, 2.0]).unwrap());
     }
@@ -72,7 +72,7 @@ fn a_written_occupancy_is_read_back() {
         let grid = Grid::new([nx, 3, 2], [1.0; 3]).unwrap();
         let volume = Occupancy::from_fn(grid, |[i, j, k]| (i * 7 + j * 5 + k * 3) % 4 == 0);
         write_npy(folder.path("a.npy"), &volume).unwrap();
-        let back = read_volume(folder.path("a.npy"), &VolumeOptions::default()).unwrap();
+        let back = read_both(&folder.path("a.npy"), &VolumeOptions::default()).unwrap();
         assert_eq!(back.values.type_name(), "u8");
         assert_eq!(back.occupancy(&Select::NonZero).unwrap(), volume);
         let file = std::fs::read(folder.path("a.npy")).unwrap();
@@ -141,7 +141,7 @@ fn a_given_spacing_replaces_an_unusable_frame() {
     file.put(254, 0i16).put(80, -1f32);
     assert!(folder.refusal("a.nii", &file.with(&[1, 2])).contains("give the spacing"));
     let options = VolumeOptions { spacing: Some([1.0, 2.0, 3.0]), ..VolumeOptions::default() };
-    let volume = read_volume(folder.path("a.nii"), &options).unwrap();
+    let volume = read_both(&folder.path("a.nii"), &options).unwrap();
     assert_eq!((volume.grid.spacing(), volume.frame.source), ([1.0, 2.0, 3.0], "options"));
 }
 

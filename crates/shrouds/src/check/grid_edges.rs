@@ -133,7 +133,7 @@ impl<'a> Lattice<'a> {
                     let low = (index + NEAR).floor();
                     let rest = index - low;
                     let between = rest > NEAR;
-                    wrong[n] |= between & !((rest >= FAR) & (rest <= 1.0 - FAR));
+                    wrong[n] |= between & !(FAR..=1.0 - FAR).contains(&rest);
                     wrong[n] |= !((low >= -1.0) & (low <= last[d]));
                     doubled[d][n] = 2 * whole(low) + i32::from(between);
                     axis[n] += d as i32 * i32::from(between);

@@ -33,6 +33,7 @@ impl LoopShape {
 
     /// The fixed triangulation as loop corner numbers: legal, with the shortest diagonals between the
     /// middles of the grid edges.
+    #[inline]
     pub fn fixed(&self) -> &[[u8; 3]] {
         &self.fixed
     }
@@ -68,6 +69,7 @@ impl LoopShape {
     }
 
     /// The cell edges of the loop's corners.
+    #[inline]
     pub(super) fn edges(&self) -> &[u8] {
         &self.edges
     }
@@ -78,22 +80,36 @@ pub(super) struct CellTable {
     shapes: Vec<LoopShape>,
     /// Loops of pattern `p` are `shapes[starts[p]..starts[p + 1]]`.
     starts: [u16; 257],
+    /// The fixed triangles of all loops of a pattern, as cell edges.
+    triangles: Vec<Vec<[u8; 3]>>,
 }
 
 impl CellTable {
     /// The loops of a cell with these inside corners (bit `c` for corner `c`).
+    #[inline]
     pub(super) fn loops(&self, corners: u8) -> &[LoopShape] {
         let pattern = usize::from(corners);
         &self.shapes[usize::from(self.starts[pattern])..usize::from(self.starts[pattern + 1])]
     }
 
+    /// The fixed triangles of all loops of a cell, in order, as cell edges.
+    #[inline]
+    pub(super) fn triangles(&self, corners: u8) -> &[[u8; 3]] {
+        &self.triangles[usize::from(corners)]
+    }
+
     fn new(rule: FaceRule) -> Self {
-        let mut table = Self { shapes: Vec::new(), starts: [0; 257] };
+        let mut table = Self { shapes: Vec::new(), starts: [0; 257], triangles: Vec::new() };
         for pattern in 0..256 {
             let loops = trace_loops(pattern as u8, rule);
             let alone = loops.len() == 1;
             table.shapes.extend(loops.into_iter().map(|edges| loop_shape(edges, alone)));
             table.starts[pattern + 1] = table.shapes.len() as u16;
+            let loops = table.loops(pattern as u8).iter();
+            let triangles = loops.flat_map(|shape| {
+                shape.fixed.iter().map(|t| t.map(|corner| shape.edges[usize::from(corner)]))
+            });
+            table.triangles.push(triangles.collect());
         }
         table
     }

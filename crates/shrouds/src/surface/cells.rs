@@ -1,7 +1,8 @@
 //! The cells that the surface passes, sixty-four along x at a time.
 
 use crate::surface::Surface;
-use crate::surface::bits::{mask_below, rank, set_bits};
+use crate::surface::bits::{mask_below, rank, set_bits, shifted};
+use crate::volume::Occupancy;
 
 /// Up to sixty-four neighbouring cells along x between four rows of lattice points, which are in
 /// corner order: `(j, k)`, `(j + 1, k)`, `(j, k + 1)`, `(j + 1, k + 1)`.
@@ -18,11 +19,13 @@ pub(super) struct CellWord {
 
 impl CellWord {
     /// The cells with corners on both sides.
+    #[inline]
     pub(super) fn active(&self) -> u64 {
         self.active
     }
 
     /// Which cells have each of their twelve edges crossed.
+    #[inline]
     pub(super) fn crossed(&self) -> [u64; 12] {
         let [a, b, c, d] = self.near;
         let [e, f, g, h] = self.far;
@@ -30,15 +33,19 @@ impl CellWord {
     }
 
     /// Inside corners of cell `bit`, a bit each.
+    #[inline]
     fn corners(&self, bit: u32) -> u8 {
-        (0..4).fold(0, |corners, row| {
+        let mut corners = 0;
+        for row in 0..4 {
             let pair = (self.near[row] >> bit & 1) | (self.far[row] >> bit & 1) << 1;
-            corners | (pair as u8) << (2 * row)
-        })
+            corners |= pair << (2 * row);
+        }
+        corners as u8
     }
 
     /// The cells that may have more than one loop: those with an ambiguous face, or with two corners
     /// on a body diagonal that differ from all their neighbours. Their corners come along.
+    #[inline]
     pub(super) fn entangled(&self, crossed: &[u64; 12]) -> impl Iterator<Item = u8> {
         let [xa, xb, xc, xd, ya, yb, yc, yd, za, zb, zc, zd] = *crossed;
         // The number of crossed edges around a face is even: three make four.
@@ -51,26 +58,39 @@ impl CellWord {
     }
 }
 
+/// The rows of lattice points around the row of cells `j` of a layer, in corner order.
+#[inline]
+pub(super) fn rows_around(volume: &Occupancy, j: usize, layer: usize) -> [&[u64]; 4] {
+    [
+        volume.row(j, layer),
+        volume.row(j + 1, layer),
+        volume.row(j, layer + 1),
+        volume.row(j + 1, layer + 1),
+    ]
+}
+
 /// Calls `f` for the words that hold active cells of the row of cells between four rows of lattice
 /// points, in corner order, of `cells + 1` points each.
+#[inline]
 pub(super) fn for_each_word(rows: [&[u64]; 4], cells: usize, mut f: impl FnMut(&CellWord)) {
-    let count = rows[0].len();
-    let [a, b, c, d] = rows.map(|row| &row[..count]);
-    let mut near = [a[0], b[0], c[0], d[0]];
-    for word in 0..count {
-        let next = if word + 1 < count {
-            [a[word + 1], b[word + 1], c[word + 1], d[word + 1]]
-        } else {
-            [0; 4]
-        };
-        let far = std::array::from_fn(|row| near[row] >> 1 | next[row] << 63);
-        let any = near.iter().chain(&far).fold(0, |any, bits| any | bits);
-        let all = near.iter().chain(&far).fold(u64::MAX, |all, bits| all & bits);
-        let active = any & !all & mask_below(cells, word);
+    let last = rows[0].len() - 1;
+    let [a, b, c, d] = rows;
+    let [a, b, c, d] = [&a[..=last], &b[..=last], &c[..=last], &d[..=last]];
+    if (0..=last).fold(0, |any, w| any | a[w] | b[w] | c[w] | d[w]) == 0 {
+        return;
+    }
+    let any_and_all = |w: usize| (a[w] | b[w] | c[w] | d[w], a[w] & b[w] & c[w] & d[w]);
+    let (mut any, mut all) = any_and_all(0);
+    for word in 0..=last {
+        let (next_any, next_all) = if word < last { any_and_all(word + 1) } else { (0, 0) };
+        let active = (any | any >> 1 | next_any << 63) & !(all & (all >> 1 | next_all << 63));
+        let active = if word < last { active } else { active & mask_below(cells, word) };
         if active != 0 {
+            let near = [a[word], b[word], c[word], d[word]];
+            let far = [shifted(a, word), shifted(b, word), shifted(c, word), shifted(d, word)];
             f(&CellWord { word, near, far, active });
         }
-        near = next;
+        (any, all) = (next_any, next_all);
     }
 }
 
@@ -78,6 +98,7 @@ impl Surface {
     /// Calls `f` with the inside corners and the vertices on the twelve edges of every active cell of
     /// a layer, in order. What stands for an edge that is not crossed means nothing, nor do the last
     /// four entries.
+    #[inline]
     pub(super) fn for_each_cell(&self, layer: usize, mut f: impl FnMut(u8, &[u32; 16])) {
         let [nx, ny, _] = self.grid().dims();
         for j in 0..ny - 1 {
@@ -87,14 +108,12 @@ impl Surface {
             {
                 continue;
             }
-            let numbers = [low, low + 1, high, high + 1].map(|row| self.rows[row]);
-            let [a, b, c, d] = numbers;
+            let [a, b] = [self.rows[low], self.rows[low + 1]];
+            let [c, d] = [self.rows[high], self.rows[high + 1]];
             // The first vertices of the rows of crossings around the cells: four along x, and those
             // along y and z, which serve two cell edges each.
             let mut first = [a[0], b[0], c[0], d[0], a[1], c[1], a[2], b[2]];
-            let rows = [(j, layer), (j + 1, layer), (j, layer + 1), (j + 1, layer + 1)];
-            let rows = rows.map(|(j, k)| self.volume.row(j, k));
-            for_each_word(rows, nx - 1, |word| {
+            for_each_word(rows_around(&self.volume, j, layer), nx - 1, |word| {
                 let crossed = word.crossed();
                 let [xa, xb, xc, xd, ya, yb, _, _, za, _, zb, _] = crossed;
                 let [p, q, r, s, t, u, v, w] = first;

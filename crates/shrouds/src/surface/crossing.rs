@@ -22,21 +22,25 @@ impl Crossing {
 
     /// The crossing `steps` further along x, with this bit for whether its low end is inside. This one
     /// begins its row and has its low end outside.
+    #[inline]
     pub(super) fn along_row(self, steps: u64, inside_low: u64) -> Self {
         Self(self.0 | steps | inside_low << (3 * FIELD + 2))
     }
 
     /// Index `[i, j, k]` of the edge's low end in the surface's grid.
+    #[inline]
     pub fn low(self) -> [usize; 3] {
         [0, FIELD, 2 * FIELD].map(|shift| (self.0 >> shift & MASK) as usize)
     }
 
     /// The axis the edge runs along: 0, 1 or 2.
+    #[inline]
     pub fn axis(self) -> usize {
         (self.0 >> (3 * FIELD) & 3) as usize
     }
 
     /// Whether the low end is the inside one.
+    #[inline]
     pub fn inside_low(self) -> bool {
         self.0 >> (3 * FIELD + 2) & 1 == 1
     }
@@ -58,12 +62,14 @@ impl Crossing {
     }
 
     /// Distance from the low end, in edge lengths, of the vertex with this δ (equation 3).
+    #[inline]
     pub fn from_low(self, delta: f64) -> f64 {
         if self.inside_low() { 1.0 - delta } else { delta }
     }
 
     /// Index coordinates of the vertex with this δ (equation 3): 1 puts it at the inside end, 0 at
     /// the outside end.
+    #[inline]
     pub fn position(self, delta: f64) -> [f64; 3] {
         let mut point = self.low().map(|x| x as f64);
         point[self.axis()] += self.from_low(delta);

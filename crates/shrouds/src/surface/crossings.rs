@@ -1,7 +1,7 @@
 //! The crossings in vertex order.
 
 use crate::surface::Surface;
-use crate::surface::bits::{mask_below, shifted};
+use crate::surface::bits::shifted;
 use crate::surface::crossing::Crossing;
 
 impl Surface {
@@ -84,19 +84,24 @@ impl<'a> Crossings<'a> {
         self.left_in_stream = firsts[stream + 1] - firsts[stream];
         self.axis = axis;
         self.start = Crossing::new([0, j, k], axis, false);
-        let other = [[j, k], [j + 1, k], [j, k + 1]][axis];
-        self.pair = [[j, k], other].map(|[j, k]| self.surface.volume.row(j, k));
-        self.word = 0;
-        self.read_word();
+        let [other_j, other_k] = [[j, k], [j + 1, k], [j, k + 1]][axis];
+        self.pair = [self.surface.volume.row(j, k), self.surface.volume.row(other_j, other_k)];
+        self.next_word(0);
     }
 
-    fn read_word(&mut self) {
-        let ([here, other], w) = (self.pair, self.word);
-        self.inside = here[w];
-        self.crossed = match self.axis {
-            0 => (here[w] ^ shifted(here, w)) & mask_below(self.surface.grid().dims()[0] - 1, w),
-            _ => here[w] ^ other[w],
-        };
+    /// Moves on to the first word from `word` on that has crossings; there must be one.
+    #[inline]
+    fn next_word(&mut self, word: usize) {
+        let [here, other] = self.pair;
+        for w in word..here.len() {
+            // Along x this lets an inside point at the end differ from one beyond, but the number of
+            // crossings in the stream does not count that.
+            let other = if self.axis == 0 { shifted(here, w) } else { other[w] };
+            if here[w] != other {
+                (self.word, self.inside, self.crossed) = (w, here[w], here[w] ^ other);
+                return;
+            }
+        }
     }
 }
 
@@ -108,13 +113,10 @@ impl Iterator for Crossings<'_> {
         if self.left == 0 {
             return None;
         }
-        while self.crossed == 0 {
-            if self.left_in_stream == 0 {
-                self.next_stream();
-            } else {
-                self.word += 1;
-                self.read_word();
-            }
+        if self.left_in_stream == 0 {
+            self.next_stream();
+        } else if self.crossed == 0 {
+            self.next_word(self.word + 1);
         }
         let bit = self.crossed.trailing_zeros();
         self.crossed &= self.crossed - 1;

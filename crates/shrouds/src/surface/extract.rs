@@ -3,9 +3,9 @@
 use crate::error::Error;
 use crate::parallel;
 use crate::surface::Surface;
-use crate::surface::bits::{mask_below, shifted};
+use crate::surface::bits::shifted;
 use crate::surface::cell::{self, CellTable};
-use crate::surface::cells::for_each_word;
+use crate::surface::cells::{for_each_word, rows_around};
 use crate::volume::{Border, FaceRule, Occupancy};
 
 impl Surface {
@@ -60,15 +60,19 @@ fn number_rows(volume: &Occupancy, k: usize, rows: &mut [[u32; 3]]) -> u64 {
     let mut next = 0u64;
     for (j, first) in rows.iter_mut().enumerate() {
         let row = volume.row(j, k);
-        let along = |w| (row[w] ^ shifted(row, w)) & mask_below(nx - 1, w);
         // The last rows have no neighbour to differ from.
-        let [beside, above] =
-            [volume.row((j + 1).min(ny - 1), k), volume.row(j, (k + 1).min(nz - 1))];
-        let counts = (0..row.len()).fold([0; 3], |[x, y, z]: [u64; 3], w| {
-            let ones = [along(w), row[w] ^ beside[w], row[w] ^ above[w]].map(u64::count_ones);
-            let [a, b, c] = ones.map(u64::from);
-            [x + a, y + b, z + c]
-        });
+        let beside = &volume.row((j + 1).min(ny - 1), k)[..row.len()];
+        let above = &volume.row(j, (k + 1).min(nz - 1))[..row.len()];
+        let mut counts = [0; 3];
+        if (0..row.len()).fold(0, |any, w| any | row[w] | beside[w] | above[w]) != 0 {
+            for w in 0..row.len() {
+                counts[0] += u64::from((row[w] ^ shifted(row, w)).count_ones());
+                counts[1] += u64::from((row[w] ^ beside[w]).count_ones());
+                counts[2] += u64::from((row[w] ^ above[w]).count_ones());
+            }
+            // An inside point at the end seemed to differ from one beyond.
+            counts[0] -= row[(nx - 1) / 64] >> ((nx - 1) % 64) & 1;
+        }
         for (first, count) in first.iter_mut().zip(counts) {
             *first = next as u32;
             next += count;
@@ -82,15 +86,16 @@ fn count_patches(volume: &Occupancy, layer: usize, table: &CellTable) -> (u32, u
     let [nx, ny, _] = volume.grid().dims();
     let (mut patches, mut corners) = (0, 0);
     for j in 0..ny - 1 {
-        let rows = [(j, layer), (j + 1, layer), (j, layer + 1), (j + 1, layer + 1)];
-        let rows = rows.map(|(j, k)| volume.row(j, k));
-        for_each_word(rows, nx - 1, |word| {
+        for_each_word(rows_around(volume, j, layer), nx - 1, |word| {
             let crossed = word.crossed();
-            patches += word.active().count_ones() as usize;
-            patches += word.entangled(&crossed).map(|c| table.loops(c).len() - 1).sum::<usize>();
-            let ones = crossed.map(|edges| (edges & word.active()).count_ones() as usize);
-            corners += ones.iter().sum::<usize>();
+            patches += word.active().count_ones();
+            for cell in word.entangled(&crossed) {
+                patches += table.loops(cell).len() as u32 - 1;
+            }
+            for edges in crossed {
+                corners += (edges & word.active()).count_ones() as usize;
+            }
         });
     }
-    (patches as u32, corners - 2 * patches)
+    (patches, corners - 2 * patches as usize)
 }

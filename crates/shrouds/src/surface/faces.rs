@@ -3,7 +3,8 @@
 use std::sync::LazyLock;
 
 use crate::surface::Surface;
-use crate::surface::bits::{mask_below, rank, set_bits, shifted};
+use crate::surface::bits::{mask_below, rank, set_bits};
+use crate::surface::cells::rows_around;
 use crate::surface::face_rule::segments;
 use crate::volume::FaceRule;
 
@@ -73,13 +74,17 @@ impl Surface {
     /// The faces normal to x between the rows `(j, k)` and `(j + 1, k + 1)`.
     fn faces_across(&self, j: usize, k: usize, emit: &mut impl FnMut(usize, [u32; 4])) {
         let [_, ny, _] = self.grid().dims();
-        let rows = [[j, k], [j + 1, k], [j + 1, k + 1], [j, k + 1]];
-        let [a, b, _, d] = rows.map(|[j, k]| self.rows[k * ny + j]);
+        let (low, high) = (k * ny + j, (k + 1) * ny + j);
+        let [a, b, d] = [self.rows[low], self.rows[low + 1], self.rows[high]];
         // First vertices on the edges in cyclic order: along y, up z, back along y, down z.
         let mut first = [a[1], b[2], d[1], a[2]];
-        let rows = rows.map(|[j, k]| self.volume.row(j, k));
-        for w in 0..rows[0].len() {
-            let faces = FaceWord::new(rows.map(|row| row[w]));
+        let [a, b, d, c] = rows_around(&self.volume, j, k);
+        let pairs = a.iter().zip(b).zip(c.iter().zip(d));
+        for ((&a, &b), (&c, &d)) in pairs {
+            if (a ^ b) | (b ^ c) | (c ^ d) == 0 {
+                continue;
+            }
+            let faces = FaceWord::new([a, b, c, d]);
             faces.visit(u64::MAX, first, emit);
             for (first, crossed) in first.iter_mut().zip(faces.crossed) {
                 *first += crossed.count_ones();
@@ -95,11 +100,16 @@ impl Surface {
         emit: &mut impl FnMut(usize, [u32; 4]),
     ) {
         let [nx, ny, _] = self.grid().dims();
-        let [a, b] = rows.map(|[j, k]| self.rows[k * ny + j]);
+        let [[aj, ak], [bj, bk]] = rows;
+        let [a, b] = [self.rows[ak * ny + aj], self.rows[bk * ny + bj]];
         let mut first = [a[0], b[0], a[3 - normal]];
-        let [a, b] = rows.map(|[j, k]| self.volume.row(j, k));
-        for w in 0..a.len() {
-            let (near, far) = ([a[w], b[w]], [shifted(a, w), shifted(b, w)]);
+        let (a, b) = (self.volume.row(aj, ak), self.volume.row(bj, bk));
+        let nexts = a[1..].iter().zip(&b[1..]).chain([(&0, &0)]);
+        for (w, ((&a, &b), (&next_a, &next_b))) in a.iter().zip(b).zip(nexts).enumerate() {
+            let (near, far) = ([a, b], [a >> 1 | next_a << 63, b >> 1 | next_b << 63]);
+            if (a ^ b) | (a ^ far[0]) | (b ^ far[1]) == 0 {
+                continue;
+            }
             let cells = mask_below(nx - 1, w);
             let [xa, xb, across] = first;
             let high = across + ((near[0] ^ near[1]) & 1) as u32;
@@ -128,6 +138,7 @@ struct FaceWord {
 }
 
 impl FaceWord {
+    #[inline]
     fn new(corners: [u64; 4]) -> Self {
         let [a, b, c, d] = corners;
         Self { corners, crossed: [a ^ b, b ^ c, c ^ d, d ^ a] }
@@ -135,11 +146,16 @@ impl FaceWord {
 
     /// Calls `emit` with the corners and the vertices of every face among `faces` that has any;
     /// `first` are the first vertices on each of the four edges.
+    #[inline]
     fn visit(&self, faces: u64, first: [u32; 4], emit: &mut impl FnMut(usize, [u32; 4])) {
         let [a, b, c, _] = self.crossed;
         for bit in set_bits((a | b | c) & faces) {
-            let vertices = std::array::from_fn(|q| first[q] + rank(self.crossed[q], bit));
-            let corners = (0..4).fold(0, |all, q| all | (self.corners[q] >> bit & 1) << q);
+            let mut vertices = [0; 4];
+            let mut corners = 0;
+            for q in 0..4 {
+                vertices[q] = first[q] + rank(self.crossed[q], bit);
+                corners |= (self.corners[q] >> bit & 1) << q;
+            }
             emit(corners as usize, vertices);
         }
     }

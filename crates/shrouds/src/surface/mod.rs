@@ -121,6 +121,7 @@ impl Surface {
         self.layers[layer].1..self.layers[layer + 1].1
     }
 
+    #[inline]
     fn first_vertex(&self, row: usize) -> u32 {
         self.rows[row][0]
     }

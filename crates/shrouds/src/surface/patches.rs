@@ -19,7 +19,7 @@ impl Surface {
             for shape in table.loops(corners) {
                 let edges = shape.edges();
                 for (vertex, &edge) in patch.iter_mut().zip(edges) {
-                    *vertex = vertices[usize::from(edge)];
+                    *vertex = vertices[usize::from(edge & 15)];
                 }
                 f(&patch[..edges.len()], shape);
             }
@@ -28,13 +28,14 @@ impl Surface {
 
     /// The fixed triangulation of all patches in order: the same triangles for every δ.
     pub fn fixed_triangles(&self) -> Vec<[u32; 3]> {
+        let table = cell::table(self.face_rule);
         let mut triangles = vec![[0; 3]; self.triangle_count()];
         let ends = (0..self.layer_count()).map(|layer| self.layer_triangles(layer).end);
         parallel::pieces(&mut triangles, ends, |layer, piece| {
             let mut slots = piece.iter_mut();
-            self.for_each_patch(layer, |patch, shape| {
-                for (triangle, slot) in shape.fixed_triangles(patch).zip(slots.by_ref()) {
-                    *slot = triangle;
+            self.for_each_cell(layer, |corners, vertices| {
+                for (edges, slot) in table.triangles(corners).iter().zip(slots.by_ref()) {
+                    *slot = edges.map(|edge| vertices[usize::from(edge & 15)]);
                 }
             });
         });

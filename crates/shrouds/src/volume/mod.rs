@@ -4,10 +4,13 @@
 //! *occupancy array* (section 4.3). Uses: `grid`.
 
 mod convention;
+mod fill;
 mod occupancy;
+mod pack;
 pub mod phantom;
 mod select;
 
 pub use convention::{Border, FaceRule};
+pub use fill::Filler;
 pub use occupancy::Occupancy;
 pub use select::{Select, Voxel};

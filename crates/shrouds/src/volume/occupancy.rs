@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::grid::Grid;
 use crate::parallel;
+use crate::volume::pack::pack_row;
 
 /// Which lattice points are inside, with the grid they lie on.
 ///
@@ -25,17 +26,13 @@ impl Occupancy {
 
     /// The volume of all lattice points `[i, j, k]` for which `inside` holds.
     pub fn from_fn(grid: Grid, inside: impl Fn([usize; 3]) -> bool + Sync) -> Self {
-        let mut volume = Self::empty(grid);
-        let [nx, ny, _] = volume.grid.dims();
-        let words_per_row = volume.words_per_row;
-        parallel::fill(&mut volume.words, |index| {
-            let (row, word) = (index / words_per_row, index % words_per_row);
-            let (j, k) = (row % ny, row / ny);
-            let first = word * 64;
-            (first..nx.min(first + 64))
-                .fold(0, |bits, i| bits | u64::from(inside([i, j, k])) << (i - first))
-        });
-        volume
+        let [nx, _, _] = grid.dims();
+        Self::from_rows(grid, |j, k, words| {
+            for (word, first) in words.iter_mut().zip((0..nx).step_by(64)) {
+                let bits = first..nx.min(first + 64);
+                *word = bits.rev().fold(0, |bits, i| bits << 1 | u64::from(inside([i, j, k])));
+            }
+        })
     }
 
     /// The volume of all lattice points whose value satisfies `inside`.
@@ -49,15 +46,35 @@ impl Occupancy {
         values: &[T],
         inside: impl Fn(T) -> bool + Sync,
     ) -> Result<Self, Error> {
-        if values.len() != grid.point_count() {
-            return Err(Error::Length {
-                values: values.len(),
-                dims: grid.dims(),
-                points: grid.point_count(),
-            });
-        }
+        grid.check_length(values.len())?;
         let [nx, ny, _] = grid.dims();
-        Ok(Self::from_fn(grid, |[i, j, k]| inside(values[(k * ny + j) * nx + i])))
+        Ok(Self::from_rows(grid, |j, k, words| {
+            let start = (k * ny + j) * nx;
+            pack_row(&values[start..start + nx], words, |values, flags| {
+                for (flag, &value) in flags.iter_mut().zip(values) {
+                    *flag = inside(value);
+                }
+            });
+        }))
+    }
+
+    /// The volume whose row `(j, k)` has the bits that `fill` puts into its words, which are 0.
+    fn from_rows(grid: Grid, fill: impl Fn(usize, usize, &mut [u64]) + Sync) -> Self {
+        let mut volume = Self::empty(grid);
+        let [_, ny, nz] = volume.grid.dims();
+        let slice = ny * volume.words_per_row;
+        parallel::pieces(&mut volume.words, (1..=nz).map(|k| k * slice), |k, words| {
+            for (j, words) in words.chunks_exact_mut(volume.words_per_row).enumerate() {
+                fill(j, k, words);
+            }
+        });
+        volume
+    }
+
+    /// The volume with these words.
+    pub(super) fn from_words(grid: Grid, words: Vec<u64>) -> Self {
+        let words_per_row = grid.dims()[0].div_ceil(64);
+        Self { grid, words_per_row, words }
     }
 
     /// The lattice.
@@ -89,6 +106,7 @@ impl Occupancy {
     ///
     /// # Panics
     /// When the row lies outside the grid.
+    #[inline]
     pub fn row(&self, j: usize, k: usize) -> &[u64] {
         let [_, ny, nz] = self.grid.dims();
         assert!(j < ny && k < nz, "row ({j}, {k}) outside {:?}", self.grid.dims());
@@ -110,22 +128,19 @@ impl Occupancy {
     /// When `margin` exceeds 63.
     pub fn padded(&self, margin: usize) -> Result<Self, Error> {
         assert!(margin < 64, "margin {margin} exceeds one word");
-        let mut padded = Self::empty(self.grid.padded(margin)?);
         let [_, ny, nz] = self.grid.dims();
-        let [_, padded_ny, _] = padded.grid.dims();
-        for k in 0..nz {
-            for j in 0..ny {
-                let start = ((k + margin) * padded_ny + j + margin) * padded.words_per_row;
-                let target = &mut padded.words[start..start + padded.words_per_row];
-                for (w, &bits) in self.row(j, k).iter().enumerate() {
-                    target[w] |= bits << margin;
-                    if margin > 0 && w + 1 < target.len() {
-                        target[w + 1] |= bits >> (64 - margin);
-                    }
-                }
+        Ok(Self::from_rows(self.grid.padded(margin)?, |j, k, words| {
+            let (j, k) = (j.wrapping_sub(margin), k.wrapping_sub(margin));
+            // What stays empty is not written, so that memory which is zero by nature stays untouched.
+            if j >= ny || k >= nz || self.row(j, k).iter().all(|bits| *bits == 0) {
+                return;
             }
-        }
-        Ok(padded)
+            let mut carry = 0;
+            for (word, bits) in words.iter_mut().zip(self.row(j, k).iter().chain(&[0])) {
+                *word = bits << margin | carry;
+                carry = bits.checked_shr(64 - margin as u32).unwrap_or(0);
+            }
+        }))
     }
 }
 
