@@ -89,7 +89,8 @@ mod tests {
                 sign * (u[2] * v[0] - u[0] * v[2]),
                 sign * (u[0] * v[1] - u[1] * v[0]),
             ];
-            let mut mesh = TriMesh { vertices, triangles, normals: vec![normal.map(|x| x as f32); 4] };
+            let mut mesh =
+                TriMesh { vertices, triangles, normals: vec![normal.map(|x| x as f32); 4] };
             assert!(mesh.volume() > 0.0);
             to_index(&mut mesh, &grid);
             for (vertex, corner) in mesh.vertices.iter().flatten().zip(corners.iter().flatten()) {
