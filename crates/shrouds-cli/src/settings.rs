@@ -10,8 +10,8 @@ use shrouds::{Select, Settings, optimize};
 use shrouds_io::{Progress, VolumeOptions};
 
 use crate::args::{
-    Axes, Border, Energy, Faces, FrameChoice, Parameter, Preset, ShroudArgs, Solver, Start, SurfaceKind,
-    TriangleRule, VolumeArgs,
+    Axes, Border, Energy, Faces, FrameChoice, Parameter, Preset, ShroudArgs, Solver, Start,
+    SurfaceKind, TriangleRule, VolumeArgs,
 };
 use crate::failure::Failure;
 

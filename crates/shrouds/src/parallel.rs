@@ -61,10 +61,7 @@ pub(crate) fn update_blocks<T: Send, U: Send, S: Send + Sum, const N: usize>(
 }
 
 /// Sum of `f(range)` over successive blocks of `0..count`, always in the same order.
-pub(crate) fn sum_blocks<S: Send + Sum>(
-    count: usize,
-    f: impl Fn(Range<usize>) -> S + Sync,
-) -> S {
+pub(crate) fn sum_blocks<S: Send + Sum>(count: usize, f: impl Fn(Range<usize>) -> S + Sync) -> S {
     blocks(count, BLOCK, f).into_iter().sum()
 }
 

@@ -302,12 +302,8 @@ fn a_foreign_energy_can_be_plugged_in() {
     let mut volume = Occupancy::empty(Grid::new([3, 3, 3], [1.0; 3]).unwrap());
     volume.set([1, 1, 1], true);
     for solver in [Solver::Newton, Solver::Sweeps] {
-        let settings = Settings {
-            energy: Arc::new(Length),
-            solver,
-            tolerance: Some(1e-10),
-            ..exact()
-        };
+        let settings =
+            Settings { energy: Arc::new(Length), solver, tolerance: Some(1e-10), ..exact() };
         let (delta, report) = run(&volume, &settings);
         assert_eq!(report.status, Status::Converged);
         assert_eq!(report.at_bound, 1.0);

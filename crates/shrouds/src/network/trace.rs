@@ -108,8 +108,7 @@ impl Family {
 impl Links {
     fn find(surface: &Surface, normal: usize) -> Self {
         let count = surface.vertex_count();
-        let mut links =
-            Self { next: vec![NONE; count], steps: vec![Step::default(); count] };
+        let mut links = Self { next: vec![NONE; count], steps: vec![Step::default(); count] };
         for k in 0..surface.slice_count() {
             surface.for_each_segment(normal, k, |segment| {
                 let [from, to] = segment.vertices;

@@ -124,7 +124,8 @@ impl<R: Real> Model<R> {
                     *value = vector[v as usize];
                 }
                 let out = &mut images[start - first..][..count];
-                let (near, before) = (&self.near[start..][..count], &self.near[start - 1..][..count]);
+                let (near, before) =
+                    (&self.near[start..][..count], &self.near[start - 1..][..count]);
                 let (far, behind) = (&self.far[start..][..count], &self.far[start - 2..][..count]);
                 let [a, b, c, d] = [0, 1, 3, 4].map(|shift| &gathered[shift..][..count]);
                 for n in 0..count {

@@ -1,7 +1,7 @@
 //! One step of the default method: Gauss–Newton on all vertices at once, within the box.
 
-use crate::optimize::conjugate::{Effort, Room, Workspace};
 use crate::network::Network;
+use crate::optimize::conjugate::{Effort, Room, Workspace};
 use crate::optimize::model::Model;
 use crate::optimize::problem::{Energy, Problem};
 use crate::optimize::real::Real;

@@ -114,9 +114,8 @@ impl<'a, R: Real> Problem<'a, R> {
             let (a, b, one) = (a * a, b * b, R::from_f64(1.0));
             let inverse = one / (one + a + b);
             let least = R::from_f64(LEAST_WEIGHT);
-            let weight = |share: R| {
-                power_of_root(if share > least { share } else { least }, exponent)
-            };
+            let weight =
+                |share: R| power_of_root(if share > least { share } else { least }, exponent);
             [weight((one + a) * inverse), weight((one + b) * inverse)]
         });
     }
@@ -363,8 +362,7 @@ impl<R: Real> Around<'_, R> {
                 }
                 // The vertex is the next of the place before it, and so on.
                 let (a, b) = (a[2 - n][lane].to_f64(), b[2 - n][lane].to_f64());
-                let (p, q, weight) =
-                    (p[lane].to_f64(), q[lane].to_f64(), weights[lane].to_f64());
+                let (p, q, weight) = (p[lane].to_f64(), q[lane].to_f64(), weights[lane].to_f64());
                 sum.value += weight * (p * p + q * q);
                 sum.slope += 2.0 * weight * (p * a + q * b);
                 sum.curvature += 2.0 * weight * (a * a + b * b);

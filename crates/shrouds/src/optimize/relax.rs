@@ -87,7 +87,8 @@ pub(super) fn relax(
             true => [vec![TileRows::all(surface)], Vec::new(), Vec::new(), Vec::new()],
             false => partition(surface, TILE, n % 2 == 1),
         };
-        let mut pass = Pass::new(passes, if n + 1 == visits.len() { end } else { Status::IterationLimit });
+        let mut pass =
+            Pass::new(passes, if n + 1 == visits.len() { end } else { Status::IterationLimit });
         let groups: Vec<&[TileRows]> = colours.iter().flat_map(|c| c.chunks(GROUP)).collect();
         for (done, tiles) in groups.iter().enumerate() {
             let found = parallel::blocks(tiles.len(), 1, |range| {

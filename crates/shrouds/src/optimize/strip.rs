@@ -51,7 +51,13 @@ pub(super) struct Strip<R, const LENGTH: usize = LONG> {
 impl<R: Real, const LENGTH: usize> Strip<R, LENGTH> {
     pub(super) fn new() -> Self {
         let zeros = [R::default(); LENGTH];
-        Self { positions: zeros, offset: [zeros; 2], moves: [zeros; 2], shift: [zeros; 2], weight: zeros }
+        Self {
+            positions: zeros,
+            offset: [zeros; 2],
+            moves: [zeros; 2],
+            shift: [zeros; 2],
+            weight: zeros,
+        }
     }
 
     /// Sets the places from index `at` on to some successive steps in planes of one family. A loop

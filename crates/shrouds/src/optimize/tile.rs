@@ -106,8 +106,8 @@ pub(super) fn partition(surface: &Surface, vertices: usize, shifted: bool) -> [V
     let cuts = |range: &Range<usize>, end: usize| -> Vec<usize> {
         let parts = (range.len() as f64 / edge).round().max(1.0) as usize;
         let half = usize::from(shifted && parts > 1);
-        let inner = (1..parts + half)
-            .map(|n| range.start + (2 * n - half) * range.len() / (2 * parts));
+        let inner =
+            (1..parts + half).map(|n| range.start + (2 * n - half) * range.len() / (2 * parts));
         std::iter::once(0).chain(inner).chain([end]).collect()
     };
     let (y, z) = (cuts(&occupied[0], ny), cuts(&occupied[1], nz));
