@@ -276,11 +276,8 @@ fn smooth_shading_follows_the_normals() {
     let mut ball = shapes::sphere(128);
     let style = Style { shading: Shading::Smooth, ..plain(201, 201) };
     for known in [false, true] {
-        ball.normals = if known {
-            ball.vertices.iter().map(|p| p.map(|x| x as f32)).collect()
-        } else {
-            vec![]
-        };
+        let radii = ball.vertices.iter().map(|p| p.map(|x| x as f32));
+        ball.normals = if known { radii.collect() } else { vec![] };
         let picture = draw(&Scene::new(&ball), &top(), &style);
         for (x, y) in [(100, 100), (60, 60), (130, 90), (100, 170), (40, 100)] {
             let radius = 201.0 * 0.45;

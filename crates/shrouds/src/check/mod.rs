@@ -13,6 +13,7 @@ mod fans;
 mod found;
 mod grid_edges;
 mod intersection;
+mod measure;
 mod predicates;
 mod report;
 mod separation;
@@ -125,7 +126,7 @@ fn examine(
     mesh: &TriMesh,
     volume: &Occupancy,
     settings: &CheckSettings,
-) -> Result<(Structure, Vec<[u32; 2]>, Separation), Error> {
+) -> Result<(Structure, structure::Edges, Separation), Error> {
     let (structure, boundary, windows) = structure::examine(mesh)?;
     let open = settings.border == Border::Open;
     let axes = if open || settings.all_axes { 3 } else { 1 };

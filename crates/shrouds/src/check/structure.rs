@@ -2,14 +2,13 @@
 //!
 //! One pass over the vertices sees everything: the triangles around a vertex, sorted by their other
 //! corners, give the edges that leave it, and joining them across those edges gives its fans. Memory
-//! is a list of the triangles around each vertex and a few words per triangle.
+//! is a list of the triangles around each vertex and a few words per triangle. Closed manifolds, which
+//! most meshes are, go a shorter way: see `fans`.
 
-use std::ops::Range;
-
-use crate::check::found::Found;
 use crate::check::fans;
-use crate::check::predicates::{COORDINATE_LIMIT, Corners, area_vector, dot};
-use crate::check::predicates::{is_degenerate, is_surely_proper};
+use crate::check::found::Found;
+use crate::check::measure::measure;
+use crate::check::predicates::{COORDINATE_LIMIT, Corners};
 use crate::check::union::{find, join};
 use crate::check::windows::Windows;
 use crate::error::Error;
@@ -18,8 +17,9 @@ use crate::parallel;
 
 /// Triangles per block of parallel work.
 const BLOCK: usize = 1 << 14;
-/// A triangle is a sliver when its area is below this part of the mean area.
-const SLIVER: f64 = 1e-9;
+
+/// Edges as pairs of vertices.
+pub(super) type Edges = Vec<[u32; 2]>;
 
 /// What a mesh is by itself. Edges and fans are those of the triangles with three different corners;
 /// a triangle that names a vertex twice is degenerate and no more than an edge.
@@ -106,16 +106,14 @@ pub fn structure(mesh: &TriMesh) -> Result<Structure, Error> {
 }
 
 /// [`structure`], all boundary edges, and the windows of a closed manifold where it has any.
-pub(super) fn examine(mesh: &TriMesh) -> Result<(Structure, Vec<[u32; 2]>, Option<Windows<'_>>), Error> {
+pub(super) fn examine(mesh: &TriMesh) -> Result<(Structure, Edges, Option<Windows<'_>>), Error> {
     refuse_damage(mesh)?;
     let windows = Windows::new(mesh);
     let parts = windows.and_then(|windows| Some((fans::closed_parts(&windows)?, windows)));
     let (mut structure, boundary, windows) = match parts {
         Some((components, windows)) => (closed(mesh, components), Vec::new(), Some(windows)),
         None => {
-            let mut walk = Walk::new(mesh);
-            walk.run(mesh);
-            let (structure, boundary) = walk.finish(mesh);
+            let (structure, boundary) = walk(mesh);
             (structure, boundary, None)
         }
     };
@@ -123,6 +121,13 @@ pub(super) fn examine(mesh: &TriMesh) -> Result<(Structure, Vec<[u32; 2]>, Optio
     structure.triangles = mesh.triangles.len() as u64;
     measure(mesh, &mut structure);
     Ok((structure, boundary, windows))
+}
+
+/// Edges, fans and components of any mesh, and all boundary edges.
+pub(super) fn walk(mesh: &TriMesh) -> (Structure, Edges) {
+    let mut walk = Walk::new(mesh);
+    walk.run(mesh);
+    walk.finish(mesh)
 }
 
 /// The structure of a closed manifold with these components.
@@ -172,87 +177,6 @@ fn first<T: Sync>(items: &[T], is_wrong: impl Fn(&T) -> bool + Sync) -> Option<u
     items[block * BLOCK..].iter().position(is_wrong).map(|n| block * BLOCK + n)
 }
 
-/// What one block of triangles measures.
-#[derive(Default)]
-struct Measured {
-    area: f64,
-    volume: f64,
-    /// The smallest area that is not zero.
-    smallest: f64,
-    degenerate: Found<u32>,
-}
-
-fn measure(mesh: &TriMesh, structure: &mut Structure) {
-    let count = mesh.triangles.len();
-    let centre = centre(&mesh.vertices);
-    let blocks = parallel::blocks(count, BLOCK, |range| measure_block(mesh, centre, range));
-    structure.area = blocks.iter().map(|block| block.area).sum();
-    structure.volume = blocks.iter().map(|block| block.volume).sum();
-    let least = SLIVER * structure.area / count.max(1) as f64;
-    let mut slivers = Found::default();
-    let with_slivers = blocks.iter().enumerate().filter(|(_, block)| block.smallest < least);
-    for (n, _) in with_slivers {
-        for t in n * BLOCK..((n + 1) * BLOCK).min(count) {
-            let area = area_vector(&corners(mesh, t));
-            if 0.5 * dot(area, area).sqrt() < least && !has_no_area(mesh, t) {
-                slivers.push(t as u32);
-            }
-        }
-    }
-    structure.sliver_triangles = slivers;
-    structure.degenerate_triangles =
-        Found::gather(blocks.into_iter().map(|block| block.degenerate));
-}
-
-fn measure_block(mesh: &TriMesh, centre: [f64; 3], range: Range<usize>) -> Measured {
-    let mut measured = Measured { smallest: f64::INFINITY, ..Measured::default() };
-    for t in range {
-        let triangle = corners(mesh, t);
-        let normal = area_vector(&triangle);
-        let squared = dot(normal, normal);
-        let area = 0.5 * squared.sqrt();
-        let origin: [f64; 3] = std::array::from_fn(|d| triangle[0][d] - centre[d]);
-        measured.area += area;
-        measured.volume += dot(origin, normal) / 6.0;
-        if is_surely_proper(&triangle, squared) || !has_no_area(mesh, t) {
-            measured.smallest = measured.smallest.min(area);
-        } else {
-            measured.degenerate.push(t as u32);
-        }
-    }
-    measured
-}
-
-fn has_no_area(mesh: &TriMesh, t: usize) -> bool {
-    let [a, b, c] = mesh.triangles[t];
-    a == b || b == c || c == a || is_degenerate(&corners(mesh, t))
-}
-
-/// Centre of the bounding box: volumes relative to it do not drown in a far-off origin.
-fn centre(vertices: &[[f64; 3]]) -> [f64; 3] {
-    let (low, high) = bounds(vertices);
-    std::array::from_fn(|d| if low[d] <= high[d] { 0.5 * (low[d] + high[d]) } else { 0.0 })
-}
-
-/// Smallest and largest coordinates; infinite the wrong way round when there are no vertices.
-pub(super) fn bounds(vertices: &[[f64; 3]]) -> ([f64; 3], [f64; 3]) {
-    let blocks = parallel::blocks(vertices.len(), BLOCK, |range| {
-        let points = vertices[range].iter().map(|&p| (p, p));
-        points.fold(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), wider)
-    });
-    blocks.into_iter().fold(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), wider)
-}
-
-fn wider(a: ([f64; 3], [f64; 3]), b: ([f64; 3], [f64; 3])) -> ([f64; 3], [f64; 3]) {
-    let lower = |a: f64, b: f64| if a < b { a } else { b };
-    let higher = |a: f64, b: f64| if a > b { a } else { b };
-    let (low, high) = ((a.0, b.0), (a.1, b.1));
-    (
-        [lower(low.0[0], low.1[0]), lower(low.0[1], low.1[1]), lower(low.0[2], low.1[2])],
-        [higher(high.0[0], high.1[0]), higher(high.0[1], high.1[1]), higher(high.0[2], high.1[2])],
-    )
-}
-
 /// A triangle seen from one of its vertices along one of its edges.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Spoke {
@@ -273,7 +197,7 @@ struct Walk {
     joined: Vec<u32>,
     /// Each triangle's share of the Euler characteristic of its component.
     euler: Vec<i32>,
-    boundary: Vec<[u32; 2]>,
+    boundary: Edges,
     structure: Structure,
 }
 
@@ -369,7 +293,7 @@ impl Walk {
         }
     }
 
-    fn finish(mut self, mesh: &TriMesh) -> (Structure, Vec<[u32; 2]>) {
+    fn finish(mut self, mesh: &TriMesh) -> (Structure, Edges) {
         let components = &mut self.structure.components;
         // Euler shares go to the roots; a root is the smallest of its component, so it comes first.
         let mut place = vec![0u32; self.joined.len()];

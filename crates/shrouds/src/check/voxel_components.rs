@@ -17,7 +17,7 @@ pub(super) fn count(rows: &Rows, faces: FaceRule) -> [u64; 2] {
             if k + 1 < nz {
                 runs.join_side_by_side(row(j, k), row(j, k + 1), diagonal);
             }
-            if j + 1 < ny && k + 1 < nz {
+            if j + 1 < ny && k + 1 < nz && rows.have_ambiguous_face(j, k) {
                 runs.join_across(row(j, k), row(j + 1, k + 1), diagonal);
                 runs.join_across(row(j + 1, k), row(j, k + 1), diagonal);
             }
@@ -147,6 +147,9 @@ impl Runs {
     }
 
     fn join(&mut self, a: usize, b: usize) {
+        if self.parents[a] == self.parents[b] {
+            return;
+        }
         let (a, b) = (self.find(a), self.find(b));
         self.parents[a.max(b)] = a.min(b);
     }

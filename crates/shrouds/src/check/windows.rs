@@ -32,14 +32,11 @@ impl<'a> Windows<'a> {
             let high = numbers.iter().fold(0, |high, &v| high.max(v));
             low as usize..high as usize + 1
         });
-        let widest = blocks.iter().map(ExactSizeIterator::len).max().unwrap_or(0);
-        let size = (4 * widest).clamp(LEAST, MOST);
+        let width = blocks.iter().map(Range::len).sum::<usize>() / blocks.len().max(1);
+        let size = (4 * width).clamp(LEAST, MOST);
         let windows = Self { mesh, blocks, size };
-        let visits: usize = windows
-            .blocks
-            .iter()
-            .map(|block| block.end.div_ceil(size) - block.start / size)
-            .sum();
+        let visits: usize =
+            windows.blocks.iter().map(|block| block.end.div_ceil(size) - block.start / size).sum();
         (visits <= 16 + 4 * windows.blocks.len()).then_some(windows)
     }
 
@@ -77,9 +74,11 @@ impl<'a> Windows<'a> {
         let own = self.vertices(window);
         let count = self.mesh.triangles.len();
         let touching = move |&(_, block): &(usize, &Range<usize>)| touch(block, &own);
-        self.blocks.iter().enumerate().filter(touching).map(move |(n, _)| {
-            &self.mesh.triangles[n * BLOCK..((n + 1) * BLOCK).min(count)]
-        })
+        self.blocks
+            .iter()
+            .enumerate()
+            .filter(touching)
+            .map(move |(n, _)| &self.mesh.triangles[n * BLOCK..((n + 1) * BLOCK).min(count)])
     }
 }
 

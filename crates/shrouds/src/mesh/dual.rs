@@ -46,14 +46,16 @@ pub(super) fn mesh(
             slots.next().into_iter().for_each(|slot| *slot = mean(patch, positions));
         });
     });
-    parallel::pieces(&mut mesh.normals, ends(), |layer, piece| {
-        let mut slots = piece.iter_mut();
-        surface.for_each_patch(layer, |patch, _| {
+    let found = parallel::pieces(&mut mesh.normals, ends(), |layer, piece| {
+        let (mut slots, mut found) = (piece.iter_mut(), Vec::new());
+        for_each_patch(surface, layer, |p, patch, shape| {
             slots.next().into_iter().for_each(|slot| *slot = mean_normal(patch, network_normals));
+            found.extend(twins(p, patch, shape));
         });
+        found
     });
     let around = patches_around(surface);
-    let segments = doubled_segments(surface, &around);
+    let segments = doubled_segments(found.concat(), &around);
     let mut middles = Vec::with_capacity(2 * segments.len());
     for segment in segments {
         let vertex = mesh.vertices.len() as u32;
@@ -84,20 +86,28 @@ fn mean_normal(of: &[u32], normals: &[[f32; 3]]) -> [f32; 3] {
 
 /// The patch in each quadrant around every crossing.
 fn patches_around(surface: &Surface) -> Vec<[u32; 4]> {
+    let slices = surface.slice_count();
+    let start = |k: usize| match k < slices {
+        true => surface.slice_vertices(k).start as usize,
+        false => surface.vertex_count(),
+    };
     let mut around = vec![[NONE; 4]; surface.vertex_count()];
-    let ends = (0..surface.slice_count()).map(|k| surface.slice_vertices(k).end as usize);
-    parallel::pieces(&mut around, ends, |slice, piece| {
-        let first = surface.slice_vertices(slice).start;
-        for layer in slice.saturating_sub(1)..surface.layer_count().min(slice + 1) {
+    // Layers with one between them share no slice.
+    for odd in [0, 1] {
+        let ends = (0..=slices / 2).map(|pair| start(2 * pair + 2 - odd));
+        parallel::pieces(&mut around, ends, |pair, piece| {
+            let Some(layer) = (2 * pair).checked_sub(odd) else { return };
+            if layer >= surface.layer_count() {
+                return;
+            }
+            let first = surface.slice_vertices(layer).start;
             for_each_patch(surface, layer, |p, patch, shape| {
                 for (n, &v) in patch.iter().enumerate() {
-                    if let Some(around) = piece.get_mut(v.wrapping_sub(first) as usize) {
-                        around[shape.quadrant(n)] = p;
-                    }
+                    piece[(v - first) as usize][shape.quadrant(n)] = p;
                 }
             });
-        }
-    });
+        });
+    }
     around
 }
 
@@ -110,30 +120,39 @@ fn for_each_patch(surface: &Surface, layer: usize, mut f: impl FnMut(u32, &[u32]
     });
 }
 
-/// The segments across which two patches meet twice, as both ends with the slots they have each
-/// other in.
-fn doubled_segments(surface: &Surface, around: &[[u32; 4]]) -> Vec<[(u32, usize); 2]> {
-    let layers = parallel::blocks(surface.layer_count(), 1, |layer| {
-        let mut found = Vec::new();
-        for_each_patch(surface, layer.start, |p, patch, shape| {
-            for twins in shape.twins() {
-                let [first, second] = twins.map(|n| {
-                    let n = usize::from(n);
-                    let slots = shape.slots(n);
-                    // The face of slot 2·c + side is crossed along the axis of quadrant bit c.
-                    let beyond = shape.quadrant(n) ^ (1 << (slots[0] / 2));
-                    let ends = [(patch[n], slots[0]), (patch[(n + 1) % patch.len()], slots[1])];
-                    (ends, around[patch[n] as usize][beyond])
-                });
-                // Both patches see the face; the one with the smaller number makes the vertices.
-                if first.1 == second.1 && first.1 != NONE && first.1 > p {
-                    found.extend([first.0, second.0]);
-                }
-            }
+/// A network segment as both ends with the slots they have each other in.
+type Segment = [(u32, usize); 2];
+
+/// A patch and two of its segments on the same cell face, each with the quadrant of its first end that
+/// lies beyond the face.
+type Twins = (u32, [(Segment, usize); 2]);
+
+/// The segments of a patch that share a cell face.
+fn twins<'p>(p: u32, patch: &'p [u32], shape: &'p LoopShape) -> impl Iterator<Item = Twins> + 'p {
+    shape.twins().iter().map(move |twins| {
+        let segments = twins.map(|n| {
+            let n = usize::from(n);
+            let slots = shape.slots(n);
+            // The face of slot 2·c + side is crossed along the axis of quadrant bit c.
+            let beyond = shape.quadrant(n) ^ (1 << (slots[0] / 2));
+            ([(patch[n], slots[0]), (patch[(n + 1) % patch.len()], slots[1])], beyond)
         });
-        found
-    });
-    layers.concat()
+        (p, segments)
+    })
+}
+
+/// Those of the segments across which two patches meet twice.
+fn doubled_segments(twins: Vec<Twins>, around: &[[u32; 4]]) -> Vec<Segment> {
+    let mut doubled = Vec::new();
+    for (p, [first, second]) in twins {
+        let [one, other] =
+            [&first, &second].map(|(ends, beyond)| around[ends[0].0 as usize][*beyond]);
+        // Both patches see the face; the one with the smaller number makes the vertices.
+        if one == other && one != NONE && one > p {
+            doubled.extend([first.0, second.0]);
+        }
+    }
+    doubled
 }
 
 /// The triangles of the polygons around all crossings.
@@ -160,21 +179,27 @@ fn polygons(
         let (mut fit, mut at) = (Fit::default(), 0);
         for (v, crossing) in (first..).zip(surface.slice_crossings(slice)) {
             let own = middles.iter().take_while(|middle| middle.end == v).count();
-            let mut polygon = Polygon::around(around[v as usize], &middles[..own]);
+            let (patches, ends) = (around[v as usize], &middles[..own]);
             middles = &middles[own..];
-            if !crossing.inside_low() {
-                polygon.corners[..polygon.count].reverse();
+            let normal = network_normals[v as usize];
+            if own > 0 {
+                let polygon = Polygon::new(patches, ends, crossing.inside_low());
+                let vertices = polygon.corners.map(|(vertex, _)| vertex);
+                let placed = Placed::new(&frame, &vertices[..polygon.count], normal);
+                polygon.cut(&placed, triangles, &mut piece[at..]);
+                at += polygon.count - 2;
+                continue;
             }
-            let polygon = Placed::new(&frame, &polygon, network_normals[v as usize]);
-            match (triangles, polygon.count()) {
-                (Triangles::Fitted, 4) => fit.push(&polygon, at, piece),
-                (Triangles::Fixed, 4) => {
-                    let [a, b, c, d, ..] = polygon.vertices;
-                    piece[at..at + 2].copy_from_slice(&[[a, b, d], [b, c, d]]);
+            let four = RING.map(|(quadrant, _)| patches[quadrant]);
+            let [a, b, c, d] =
+                if crossing.inside_low() { four } else { [four[3], four[2], four[1], four[0]] };
+            match triangles {
+                Triangles::Fixed => piece[at..at + 2].copy_from_slice(&[[a, b, d], [b, c, d]]),
+                Triangles::Fitted => {
+                    fit.push(&Placed::new(&frame, &[a, b, c, d], normal), at, piece);
                 }
-                _ => polygon.cut(triangles, &mut piece[at..]),
             }
-            at += polygon.count() - 2;
+            at += 2;
         }
         fit.finish(piece);
     });
@@ -188,8 +213,8 @@ struct Polygon {
 }
 
 impl Polygon {
-    /// The polygon seen from the high end of the grid edge.
-    fn around(patches: [u32; 4], middles: &[Middle]) -> Self {
+    /// The polygon seen from the high end of the grid edge, or from the low one.
+    fn new(patches: [u32; 4], middles: &[Middle], from_high: bool) -> Self {
         let mut polygon = Self { corners: [(NONE, false); 8], count: 0 };
         let mut push = |corner| {
             polygon.corners[polygon.count] = corner;
@@ -200,15 +225,34 @@ impl Polygon {
             let middle = middles.iter().find(|middle| middle.slot == slot);
             middle.into_iter().for_each(|middle| push((middle.vertex, true)));
         }
+        if !from_high {
+            polygon.corners[..polygon.count].reverse();
+        }
         polygon
+    }
+
+    /// Cuts the polygon by its legal diagonals.
+    fn cut(&self, placed: &Placed, triangles: Triangles, out: &mut [[u32; 3]]) {
+        let cost = |i, k, j| match triangles {
+            Triangles::Fixed => 0.0,
+            Triangles::Fitted => {
+                let [a, b, c] = [i, k, j].map(|n| fit::Polygon::corner(placed, n).0);
+                let side = |p: [f32; 3]| std::array::from_fn(|k| p[k] - a[k]);
+                misfit(side(b), side(c), placed.normal)
+            }
+        };
+        let mut local = Vec::new();
+        cheapest(self.count, |i, j| self.is_legal(i, j), cost, &mut local);
+        for (slot, triangle) in out.iter_mut().zip(local) {
+            *slot = triangle.map(|corner| self.corners[usize::from(corner)].0);
+        }
     }
 
     /// Whether the diagonal `i`–`j` may be used: it must not run between the two neighbours of a
     /// middle, as the edge does that the middle is there to replace.
     fn is_legal(&self, i: usize, j: usize) -> bool {
-        let cuts_off = |a: usize, b: usize| {
-            (a + 2) % self.count == b && self.corners[(a + 1) % self.count].1
-        };
+        let cuts_off =
+            |a: usize, b: usize| (a + 2) % self.count == b && self.corners[(a + 1) % self.count].1;
         !(cuts_off(i, j) || cuts_off(j, i))
     }
 }
@@ -231,8 +275,7 @@ impl<'a> Frame<'a> {
 
 /// A polygon with its places relative to its first corner.
 struct Placed<'a> {
-    polygon: &'a Polygon,
-    vertices: [u32; 8],
+    vertices: &'a [u32],
     frame: &'a Frame<'a>,
     origin: Vector,
     normal: [f32; 3],
@@ -240,38 +283,16 @@ struct Placed<'a> {
 
 impl<'a> Placed<'a> {
     #[inline]
-    fn new(frame: &'a Frame, polygon: &'a Polygon, normal: [f32; 3]) -> Self {
-        let vertices = polygon.corners.map(|(vertex, _)| vertex);
+    fn new(frame: &'a Frame, vertices: &'a [u32], normal: [f32; 3]) -> Self {
         let origin = frame.vertices[vertices[0] as usize];
-        Self { polygon, vertices, frame, origin, normal: normal.map(|x| frame.sign * x) }
-    }
-
-    fn count(&self) -> usize {
-        self.polygon.count
-    }
-
-    /// Cuts the polygon by its legal diagonals.
-    fn cut(&self, triangles: Triangles, out: &mut [[u32; 3]]) {
-        let cost = |i, k, j| match triangles {
-            Triangles::Fixed => 0.0,
-            Triangles::Fitted => {
-                let [a, b, c] = [i, k, j].map(|n| fit::Polygon::corner(self, n).0);
-                let side = |p: [f32; 3]| std::array::from_fn(|k| p[k] - a[k]);
-                misfit(side(b), side(c), self.normal)
-            }
-        };
-        let mut local = Vec::new();
-        cheapest(self.count(), |i, j| self.polygon.is_legal(i, j), cost, &mut local);
-        for (slot, triangle) in out.iter_mut().zip(local) {
-            *slot = triangle.map(|corner| self.vertices[usize::from(corner)]);
-        }
+        Self { vertices, frame, origin, normal: normal.map(|x| frame.sign * x) }
     }
 }
 
 impl fit::Polygon for Placed<'_> {
     #[inline(always)]
     fn vertices(&self) -> &[u32] {
-        &self.vertices[..self.count()]
+        self.vertices
     }
 
     #[inline(always)]

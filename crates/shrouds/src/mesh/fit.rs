@@ -32,12 +32,7 @@ impl Fit {
     /// Cuts a polygon of 4 to 6 corners, any diagonals of which may be used. Its triangles go to
     /// `triangles` from `at` on, at the latest with [`Fit::finish`].
     #[inline]
-    pub(super) fn push(
-        &mut self,
-        polygon: &impl Polygon,
-        at: usize,
-        triangles: &mut [[u32; 3]],
-    ) {
+    pub(super) fn push(&mut self, polygon: &impl Polygon, at: usize, triangles: &mut [[u32; 3]]) {
         match polygon.vertices().len() {
             4 => {
                 if self.quadrangles.push(polygon, at) {
@@ -110,9 +105,9 @@ impl<const COUNT: usize> Batch<COUNT> {
         triangles: &mut [[u32; 3]],
     ) {
         let best = best(self);
-        for lane in 0..self.waiting {
-            let (at, vertices) = (self.at[lane], &self.vertices[lane]);
-            for (slot, corners) in triangles[at..at + TRIANGLES].iter_mut().zip(best[lane]) {
+        let waiting = self.at.iter().zip(&self.vertices).zip(best).take(self.waiting);
+        for ((&at, vertices), best) in waiting {
+            for (slot, corners) in triangles[at..at + TRIANGLES].iter_mut().zip(best) {
                 *slot = corners.map(|corner| vertices[usize::from(corner)]);
             }
         }
@@ -129,7 +124,11 @@ impl<const COUNT: usize> Batch<COUNT> {
             cost[n] = misfit(
                 [q[0][n] - p[0][n], q[1][n] - p[1][n], q[2][n] - p[2][n]],
                 [r[0][n] - p[0][n], r[1][n] - p[1][n], r[2][n] - p[2][n]],
-                [d[0][n] + e[0][n] + f[0][n], d[1][n] + e[1][n] + f[1][n], d[2][n] + e[2][n] + f[2][n]],
+                [
+                    d[0][n] + e[0][n] + f[0][n],
+                    d[1][n] + e[1][n] + f[1][n],
+                    d[2][n] + e[2][n] + f[2][n],
+                ],
             );
         }
         cost
@@ -149,9 +148,7 @@ fn quadrangle(batch: &Batch<4>) -> [[[u8; 3]; 2]; LANES] {
 #[inline(never)]
 fn pentagon(batch: &Batch<5>) -> [[[u8; 3]; 3]; LANES] {
     let ears = [0, 1, 2, 3, 4].map(|n| batch.cost(n, (n + 1) % 5, (n + 2) % 5));
-    let fan = |n: usize| {
-        sum([ears[n], batch.cost(n, (n + 2) % 5, (n + 3) % 5), ears[(n + 3) % 5]])
-    };
+    let fan = |n: usize| sum([ears[n], batch.cost(n, (n + 2) % 5, (n + 3) % 5), ears[(n + 3) % 5]]);
     let best = least([fan(0), fan(1), fan(2), fan(3), fan(4)]);
     best.map(|n| {
         let at = |step: u8| (n + step) % 5;

@@ -90,7 +90,7 @@ impl TriMesh {
             MeshKind::Dual => dual::mesh(surface, &vertices, &normals, triangles),
         };
         if surface.grid().is_mirrored() {
-            mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+            parallel::update(&mut mesh.triangles, |_, triangle| triangle.swap(1, 2));
         }
         mesh
     }
@@ -127,13 +127,17 @@ impl TriMesh {
 /// When `delta` has not one value per vertex.
 pub fn place_vertices(surface: &Surface, delta: &[f64]) -> Vec<[f64; 3]> {
     assert_eq!(delta.len(), surface.vertex_count(), "one delta per vertex");
-    let mut vertices = vec![[0.0; 3]; delta.len()];
+    place_by(surface, |v| delta[v])
+}
+
+/// World positions of the vertices by the δ of each.
+fn place_by(surface: &Surface, delta: impl Fn(usize) -> f64 + Sync) -> Vec<Vector> {
+    let mut vertices = vec![[0.0; 3]; surface.vertex_count()];
     let ends = (0..surface.slice_count()).map(|k| surface.slice_vertices(k).end as usize);
     parallel::pieces(&mut vertices, ends, |k, piece| {
-        let first = surface.slice_vertices(k).start as usize;
-        let placed = surface.slice_crossings(k).zip(&delta[first..]);
-        for (vertex, (crossing, &delta)) in piece.iter_mut().zip(placed) {
-            *vertex = surface.grid().point(crossing.position(delta));
+        let numbered = (surface.slice_vertices(k).start as usize..).zip(surface.slice_crossings(k));
+        for (vertex, (v, crossing)) in piece.iter_mut().zip(numbered) {
+            *vertex = surface.grid().point(crossing.position(delta(v)));
         }
     });
     vertices

@@ -102,7 +102,8 @@ impl Curves<'_> {
     fn read_chords(&self, v: u32, crossing: Crossing, lane: usize, chords: &mut [[Vectors; 2]; 2]) {
         let here = self.vertices[v as usize];
         for (c, chords) in chords.iter_mut().enumerate() {
-            let other = |slot| self.network.neighbour(v, slot).map(|(u, _)| self.vertices[u as usize]);
+            let other =
+                |slot| self.network.neighbour(v, slot).map(|(u, _)| self.vertices[u as usize]);
             let (before, after) = match (other(2 * c), other(2 * c + 1)) {
                 (Some(p), Some(q)) => (subtract(here, p), subtract(q, here)),
                 (Some(p), None) => (subtract(here, p), subtract(here, p)),

@@ -8,7 +8,11 @@ use crate::vector::{Vector, subtract};
 /// Of the triangulations of every patch the one whose triangles fit the mean normals of their corners
 /// best. Patches that could fold or cross, those that touch a cell face twice and those of cells with
 /// several, keep the fixed one. Oriented as the surface's patches are in index space.
-pub(super) fn fitted(surface: &Surface, vertices: &[Vector], normals: &[[f32; 3]]) -> Vec<[u32; 3]> {
+pub(super) fn fitted(
+    surface: &Surface,
+    vertices: &[Vector],
+    normals: &[[f32; 3]],
+) -> Vec<[u32; 3]> {
     // Mirrored axes turn the patches' corners clockwise in the world.
     let sign = if surface.grid().is_mirrored() { -1.0 } else { 1.0 };
     let unit = surface.grid().min_spacing().recip();
@@ -26,7 +30,8 @@ pub(super) fn fitted(surface: &Surface, vertices: &[Vector], normals: &[[f32; 3]
                     fit.push(&patch, at, piece);
                 }
                 _ => {
-                    for (slot, triangle) in piece[at..].iter_mut().zip(shape.fixed_triangles(patch)) {
+                    for (slot, triangle) in piece[at..].iter_mut().zip(shape.fixed_triangles(patch))
+                    {
                         *slot = triangle;
                     }
                 }

@@ -38,17 +38,8 @@ impl Step {
         Self::last(self.normal(), self.runs_second())
     }
 
-    /// The byte, for tables over all steps.
-    #[inline(always)]
-    pub(crate) fn code(self) -> u8 {
-        self.0
-    }
-
-    pub(crate) fn from_code(code: u8) -> Self {
-        Self(code)
-    }
-
     /// The axis normal to the plane; 3 for no step at all.
+    #[inline(always)]
     pub(crate) fn normal(self) -> usize {
         usize::from(self.0 >> 6)
     }
@@ -59,6 +50,7 @@ impl Step {
         self.0 & 1 == 1
     }
 
+    #[inline(always)]
     pub(crate) fn is_linked(self) -> bool {
         self.0 & LINKED != 0
     }
@@ -75,6 +67,7 @@ impl Step {
     }
 
     /// From where this grid edge starts to where the next one does, along both axes of the plane.
+    #[inline(always)]
     pub(crate) fn shift(self) -> [i32; 2] {
         [self.0 >> 1 & 3, self.0 >> 3 & 3].map(|bits| i32::from(bits) - 1)
     }

@@ -38,6 +38,8 @@ pub(super) struct Effort {
     pub(super) segments: usize,
     /// Stop when the preconditioned residual has fallen to this part of its first norm.
     pub(super) reduction: f64,
+    /// Whether vertices with short chords or sharp turns are moved alone afterwards.
+    pub(super) repairs: bool,
     /// Whether the step is one of many that go on until they converge.
     pub(super) converges: bool,
 }
@@ -197,18 +199,19 @@ impl Workspace {
     /// Cuts the step to the room and fixes the vertices that were cut; whether there were any.
     fn cut_to<R: Real>(&mut self, room: &Room<R>) -> bool {
         let arrays = [&mut self.residual[..], &mut self.inverse];
-        let cuts = parallel::update_blocks(&mut self.step, arrays, |first, step, [residual, inverse]| {
-            let mut cuts = 0.0;
-            for n in 0..step.len() {
-                let [low, high] = room.of(first + n);
-                let cut = step[n].clamp(low, high);
-                if cut != step[n] && inverse[n] > 0.0 {
-                    (step[n], residual[n], inverse[n]) = (cut, 0.0, 0.0);
-                    cuts += 1.0;
+        let cuts =
+            parallel::update_blocks(&mut self.step, arrays, |first, step, [residual, inverse]| {
+                let mut cuts = 0.0;
+                for n in 0..step.len() {
+                    let [low, high] = room.of(first + n);
+                    let cut = step[n].clamp(low, high);
+                    if cut != step[n] && inverse[n] > 0.0 {
+                        (step[n], residual[n], inverse[n]) = (cut, 0.0, 0.0);
+                        cuts += 1.0;
+                    }
                 }
-            }
-            cuts
-        });
+                cuts
+            });
         cuts > 0.0
     }
 
@@ -219,8 +222,8 @@ impl Workspace {
             for (n, residual) in residual.iter_mut().enumerate() {
                 let v = first + n;
                 let [a, b] = network.places()[v];
-                let image = model.diagonals()[v] * step[v]
-                    + (images[a as usize] + images[b as usize]);
+                let image =
+                    model.diagonals()[v] * step[v] + (images[a as usize] + images[b as usize]);
                 *residual = if inverse[v] > 0.0 { -model.gradient(v) as f32 - image } else { 0.0 };
             }
             norm(residual, &inverse[first..])

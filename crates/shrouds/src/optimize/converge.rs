@@ -9,7 +9,7 @@ use crate::optimize::settings::{Observer, Progress, Settings};
 
 /// The most often that weights and barrier are frozen anew, if the energy has any. They settle sooner:
 /// the rounds end with the first that finds nothing to do.
-const ROUNDS: usize = 12;
+const ROUNDS: usize = 24;
 /// Steps in all rounds but the last, which runs until the stop rule is satisfied; such a round also
 /// ends when a step lowers the energy by less than `EARLY_DECREASE`, unless by so little that the
 /// round may well be the last.
@@ -17,7 +17,8 @@ const EARLY_STEPS: usize = 4;
 const EARLY_DECREASE: f64 = 0.02;
 const SETTLED: f64 = 1e-3;
 /// Effort for one step.
-const EFFORT: Effort = Effort { segment: 25, segments: 4, reduction: 1e-2, converges: true };
+const EFFORT: Effort =
+    Effort { segment: 25, segments: 4, reduction: 1e-2, repairs: true, converges: true };
 
 /// Steps until the root mean square of the projected step falls to the tolerance.
 pub(super) fn solve<R: Real>(
@@ -70,8 +71,15 @@ fn round<R: Real>(
     let tolerance = settings.tolerance();
     let mut decrease = f64::INFINITY;
     for step in 0..=limits.steps {
-        let change = Stationarity::of(&newton.model, x, problem.bounds, &problem.is_fixed).step_rms();
-        let progress = Progress { iteration: limits.done + step, energy: energy.all, change, tolerance, share_done: None };
+        let change =
+            Stationarity::of(&newton.model, x, problem.bounds, &problem.is_fixed).step_rms();
+        let progress = Progress {
+            iteration: limits.done + step,
+            energy: energy.all,
+            change,
+            tolerance,
+            share_done: None,
+        };
         if observer(progress).is_break() {
             round.status = Status::Cancelled;
             break;

@@ -59,7 +59,7 @@ impl<R: Real> Model<R> {
             let range = first..first + slopes.len();
             let mut rho = vec![R::default(); range.len()];
             let mut terms = Terms::new();
-            problem.strips(x, range.clone(), |strip, places| {
+            problem.strips(x, range.clone(), true, |strip, places| {
                 terms.fill(problem, strip, places.len());
                 let out = places.start - first..places.end - first;
                 let count = out.len();
@@ -124,7 +124,8 @@ impl<R: Real> Model<R> {
                     *value = vector[v as usize];
                 }
                 let out = &mut images[start - first..][..count];
-                let (near, before) = (&self.near[start..][..count], &self.near[start - 1..][..count]);
+                let (near, before) =
+                    (&self.near[start..][..count], &self.near[start - 1..][..count]);
                 let (far, behind) = (&self.far[start..][..count], &self.far[start - 2..][..count]);
                 let [a, b, c, d] = [0, 1, 3, 4].map(|shift| &gathered[shift..][..count]);
                 for n in 0..count {

@@ -1,7 +1,7 @@
 //! One step of the default method: Gauss–Newton on all vertices at once, within the box.
 
-use crate::optimize::conjugate::{Effort, Room, Workspace};
 use crate::network::Network;
+use crate::optimize::conjugate::{Effort, Room, Workspace};
 use crate::optimize::model::Model;
 use crate::optimize::problem::{Energy, Problem};
 use crate::optimize::real::Real;
@@ -45,8 +45,13 @@ impl<R: Real> Newton<R> {
         let workspace = &self.workspace;
         let [low, high] = problem.bounds.map(R::to_f64);
         let mut together = vec![R::default(); x.len()];
-        parallel::fill(&mut together, |v| R::from_f64((x[v].to_f64() + workspace.step(v)).clamp(low, high)));        let awkward = if effort.converges { self.awkward(problem, x) } else { Vec::new() };
-        repair(problem, &mut together, &awkward);
+        parallel::fill(&mut together, |v| {
+            R::from_f64((x[v].to_f64() + workspace.step(v)).clamp(low, high))
+        });
+        if effort.repairs {
+            let awkward = if effort.converges { self.awkward(problem, x) } else { Vec::new() };
+            repair(problem, &mut together, &awkward);
+        }
         let lower = self.model.linearise(problem, &together);
         if lower.all < energy.all + univariate::ROUNDING * energy.all.abs() {
             *x = together;

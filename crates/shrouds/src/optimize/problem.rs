@@ -6,7 +6,7 @@ use std::ops::{Add, Range};
 use crate::energy::{CurveEnergy, LANES, Lanes};
 use crate::network::{Network, REPEATED};
 use crate::optimize::real::Real;
-use crate::optimize::strip::{STRIP, StepTable, Strip};
+use crate::optimize::strip::{Lengths, STRIP, Strip};
 use crate::parallel::{self, NONE};
 
 /// Largest barrier strength, and the least weight factor `1 − n_p²`.
@@ -29,7 +29,7 @@ pub(super) struct Conditions<'a> {
 pub(super) struct Problem<'a, R> {
     pub(super) network: &'a Network,
     pub(super) energy: &'a dyn CurveEnergy,
-    table: StepTable<R>,
+    lengths: Lengths<R>,
     pub(super) bounds: [R; 2],
     /// Weight of ρ at each vertex on both of its curves, but for the distance of the slices; 0 where
     /// a neighbour is missing.
@@ -73,7 +73,7 @@ impl<'a, R: Real> Problem<'a, R> {
         let mut problem = Self {
             network,
             energy: conditions.energy,
-            table: StepTable::new(conditions.spacing),
+            lengths: Lengths::new(conditions.spacing),
             bounds: conditions.bounds.map(R::from_f64),
             weights: vec![[R::default(); 2]; network.vertex_count()],
             barrier: 0.0,
@@ -114,9 +114,8 @@ impl<'a, R: Real> Problem<'a, R> {
             let (a, b, one) = (a * a, b * b, R::from_f64(1.0));
             let inverse = one / (one + a + b);
             let least = R::from_f64(LEAST_WEIGHT);
-            let weight = |share: R| {
-                power_of_root(if share > least { share } else { least }, exponent)
-            };
+            let weight =
+                |share: R| power_of_root(if share > least { share } else { least }, exponent);
             [weight((one + a) * inverse), weight((one + b) * inverse)]
         });
     }
@@ -145,7 +144,7 @@ impl<'a, R: Real> Problem<'a, R> {
     fn place_slopes(&self, x: &[R]) -> Vec<R> {
         let mut slopes = vec![R::default(); self.network.vertices().len()];
         parallel::update_blocks(&mut slopes, NONE, |first, slopes, []| {
-            self.strips(x, first..first + slopes.len(), |strip, places| {
+            self.strips(x, first..first + slopes.len(), false, |strip, places| {
                 for n in (0..places.len()).step_by(LANES) {
                     let values = slopes_along(strip, n + REPEATED);
                     let out = places.start - first + n;
@@ -183,7 +182,7 @@ impl<'a, R: Real> Problem<'a, R> {
     fn curve_value(&self, x: &[R]) -> Energy {
         parallel::sum_blocks(self.network.vertices().len(), |range| {
             let mut rho = vec![R::default(); range.len()];
-            self.strips(x, range.clone(), |strip, places| {
+            self.strips(x, range.clone(), true, |strip, places| {
                 for n in (0..places.len()).step_by(LANES) {
                     let term = R::terms(self.energy, &strip.stencils(n + REPEATED));
                     let weights = strip.weights(n + REPEATED);
@@ -245,6 +244,7 @@ impl<'a, R: Real> Problem<'a, R> {
         &self,
         x: &[R],
         range: Range<usize>,
+        with_weights: bool,
         mut f: impl FnMut(&Strip<R>, Range<usize>),
     ) {
         let total = self.network.vertices().len();
@@ -252,12 +252,13 @@ impl<'a, R: Real> Problem<'a, R> {
         let mut strip = Strip::new();
         for start in (range.start.max(REPEATED)..end).step_by(STRIP) {
             let places = start..end.min(start + STRIP);
-            self.load(&mut strip, x, 0, places.start - REPEATED..places.end + REPEATED);
+            let loaded = places.start - REPEATED..places.end + REPEATED;
+            self.load(&mut strip, x, 0, loaded, with_weights);
             f(&strip, places);
         }
     }
 
-    /// Loads some places to a strip from index `at` on.
+    /// Loads some places to a strip from index `at` on, with their weights if those are wanted.
     #[inline]
     fn load<const LENGTH: usize>(
         &self,
@@ -265,28 +266,30 @@ impl<'a, R: Real> Problem<'a, R> {
         x: &[R],
         at: usize,
         places: Range<usize>,
+        with_weights: bool,
     ) {
-        let (x, weights) = (&x[..self.weights.len()], &self.weights[..]);
-        let steps = &self.network.steps()[places.clone()];
-        for (n, (&v, &step)) in self.network.vertices()[places].iter().zip(steps).enumerate() {
-            let weight = weights[v as usize][step.curve()];
-            strip.set(at + n, self.table.row(step), x[v as usize], weight);
+        strip.load(at, self.network, places.clone(), &self.lengths, x);
+        if with_weights {
+            let steps = &self.network.steps()[places.clone()];
+            for (n, (&v, &step)) in self.network.vertices()[places].iter().zip(steps).enumerate() {
+                let distance = self.lengths.between_planes(step.normal());
+                strip.set_weight(at + n, self.weights[v as usize][step.curve()] * distance);
+            }
         }
     }
 
     /// A mark for every place: `mark` of the smaller squared length of the chords before and after it
-    /// and the cosine between them; 0 where it has no weight.
+    /// and the cosine between them. Where a curve ends the missing neighbour lies far away.
     pub(super) fn mark_places(&self, x: &[R], mark: impl Fn(f32, f32) -> u8 + Sync) -> Vec<u8> {
         let mut marks = vec![0; self.network.vertices().len()];
         parallel::update_blocks(&mut marks, NONE, |first, marks, []| {
-            self.strips(x, first..first + marks.len(), |strip, places| {
+            self.strips(x, first..first + marks.len(), false, |strip, places| {
                 for n in (0..places.len()).step_by(LANES) {
                     let (lengths, cosines) = turnings(strip, n + REPEATED);
-                    let weights = strip.weights(n + REPEATED);
-                    let values: Lanes<u8> = std::array::from_fn(|l| {
-                        let counts = weights[l] > R::default();
-                        if counts { mark(lengths[l], cosines[l]) } else { 0 }
-                    });
+                    let mut values = [0; LANES];
+                    for l in 0..LANES {
+                        values[l] = mark(lengths[l], cosines[l]);
+                    }
                     let out = places.start - first + n;
                     let count = LANES.min(places.len() - n);
                     marks[out..out + count].copy_from_slice(&values[..count]);
@@ -318,7 +321,7 @@ impl<'a, R: Real> Problem<'a, R> {
         let mut strip = Strip::new();
         for (c, at) in WINDOWS.into_iter().enumerate() {
             let place = self.network.place(v, c);
-            self.load(&mut strip, x, at, place - 2..place + 3);
+            self.load(&mut strip, x, at, place - 2..place + 3, true);
         }
         Around { energy: self.energy, barrier: self.barrier, strip }
     }
@@ -359,8 +362,7 @@ impl<R: Real> Around<'_, R> {
                 }
                 // The vertex is the next of the place before it, and so on.
                 let (a, b) = (a[2 - n][lane].to_f64(), b[2 - n][lane].to_f64());
-                let (p, q, weight) =
-                    (p[lane].to_f64(), q[lane].to_f64(), weights[lane].to_f64());
+                let (p, q, weight) = (p[lane].to_f64(), q[lane].to_f64(), weights[lane].to_f64());
                 sum.value += weight * (p * p + q * q);
                 sum.slope += 2.0 * weight * (p * a + q * b);
                 sum.curvature += 2.0 * weight * (a * a + b * b);

@@ -18,6 +18,7 @@ pub(super) trait Real:
     + Sync
 {
     fn from_f64(value: f64) -> Self;
+    fn from_i32(value: i32) -> Self;
     fn to_f64(self) -> f64;
     fn sqrt(self) -> Self;
     fn terms(energy: &dyn CurveEnergy, stencils: &Stencil<Lanes<Self>>) -> Term<Lanes<Self>>;
@@ -26,6 +27,10 @@ pub(super) trait Real:
 impl Real for f32 {
     #[inline(always)]
     fn from_f64(value: f64) -> Self {
+        value as Self
+    }
+    #[inline(always)]
+    fn from_i32(value: i32) -> Self {
         value as Self
     }
     #[inline(always)]
@@ -46,6 +51,10 @@ impl Real for f64 {
     #[inline(always)]
     fn from_f64(value: f64) -> Self {
         value
+    }
+    #[inline(always)]
+    fn from_i32(value: i32) -> Self {
+        f64::from(value)
     }
     #[inline(always)]
     fn to_f64(self) -> f64 {

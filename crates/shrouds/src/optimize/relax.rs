@@ -21,13 +21,15 @@ const GROUP: usize = 8;
 pub(super) type Passes = &'static [&'static [Effort]];
 
 const fn iterations(count: usize) -> Effort {
-    Effort { segment: count, segments: 1, reduction: 1e-3, converges: false }
+    Effort { segment: count, segments: 1, reduction: 1e-3, repairs: true, converges: false }
 }
 
 /// What a preset does; nothing for the one that converges.
 pub(super) fn passes(preset: Preset) -> Option<Passes> {
     const FAST: Passes = &[&[iterations(20)]];
-    const DEFAULT: Passes = &[&[iterations(10), iterations(20)], &[iterations(30)]];
+    // What goes wrong in the first step the next one mends.
+    const FIRST: Effort = Effort { repairs: false, ..iterations(10) };
+    const DEFAULT: Passes = &[&[FIRST, iterations(20)], &[iterations(30)]];
     match preset {
         Preset::Fast => Some(FAST),
         Preset::Default => Some(DEFAULT),
@@ -68,6 +70,8 @@ pub(super) fn relax(
         left -= steps.len();
         steps
     };
+    let whole: usize = passes.iter().map(|steps| steps.len()).sum();
+    let end = if most_steps < whole { Status::IterationLimit } else { Status::Preset };
     let passes: Vec<&[Effort]> = passes.iter().map(shorten).collect();
     let mut relaxed = Relaxed {
         rounds: Vec::new(),
@@ -83,7 +87,8 @@ pub(super) fn relax(
             true => [vec![TileRows::all(surface)], Vec::new(), Vec::new(), Vec::new()],
             false => partition(surface, TILE, n % 2 == 1),
         };
-        let mut pass = Pass::new(passes, n + 1 == visits.len());
+        let mut pass =
+            Pass::new(passes, if n + 1 == visits.len() { end } else { Status::IterationLimit });
         let groups: Vec<&[TileRows]> = colours.iter().flat_map(|c| c.chunks(GROUP)).collect();
         for (done, tiles) in groups.iter().enumerate() {
             let found = parallel::blocks(tiles.len(), 1, |range| {
@@ -145,11 +150,11 @@ struct Pass {
 }
 
 impl Pass {
-    fn new(passes: &[&[Effort]], is_last: bool) -> Self {
+    fn new(passes: &[&[Effort]], status: Status) -> Self {
         Self {
             energies: passes.iter().map(|steps| vec![0.0; steps.len() + 1]).collect(),
             stationarity: Stationarity::default(),
-            status: if is_last { Status::Preset } else { Status::IterationLimit },
+            status,
         }
     }
 

@@ -1,7 +1,9 @@
 //! A piece of the curves, laid out for arithmetic on several places at once.
 
+use std::ops::Range;
+
 use crate::energy::{LANES, Lanes, Stencil};
-use crate::network::{REPEATED, Step};
+use crate::network::{Network, REPEATED, Step};
 use crate::optimize::real::Real;
 
 /// Places per strip; with its arrays it stays in the first-level cache.
@@ -13,48 +15,31 @@ pub(super) const LONG: usize = STRIP + 2 * REPEATED + LANES;
 /// two neighbours more, is that to the neighbour there is.
 const FAR: f64 = 1e5;
 
-/// What a place contributes to a strip, for every step.
-pub(super) struct StepTable<R>(Vec<StepRow<R>>);
-
-/// Lengths in units of the smallest spacing, along the first and second axis of the plane.
+/// Lengths in units of the smallest spacing that turn the step of a place into numbers.
 #[derive(Clone, Copy)]
-pub(super) struct StepRow<R> {
-    /// How the place moves as its position grows.
-    moves: [R; 2],
-    /// Where the next place's grid edge starts, seen from this one's.
-    shift: [R; 2],
-    /// The distance to the next slice.
-    distance: R,
-}
+pub(super) struct Lengths<R>([R; 3]);
 
-impl<R: Real> StepTable<R> {
+impl<R: Real> Lengths<R> {
     pub(super) fn new(spacing: [f64; 3]) -> Self {
-        let row = |code: u8| {
-            let step = Step::from_code(code);
-            let axes = [(step.normal() + 1) % 3, (step.normal() + 2) % 3];
-            let own = usize::from(step.runs_second());
-            let along = |k: usize| if k == own { spacing[axes[k]] } else { 0.0 };
-            let shift = |k: usize| match step.is_linked() {
-                true => f64::from(step.shift()[k]) * spacing[axes[k]],
-                false => FAR,
-            };
-            StepRow {
-                moves: [0, 1].map(|k| R::from_f64(along(k))),
-                shift: [0, 1].map(|k| R::from_f64(shift(k))),
-                distance: R::from_f64(spacing[step.normal() % 3]),
-            }
-        };
-        Self((0..=u8::MAX).map(row).collect())
+        Self(spacing.map(R::from_f64))
     }
 
+    /// Those along both axes of the planes with this normal.
     #[inline(always)]
-    pub(super) fn row(&self, step: Step) -> StepRow<R> {
-        self.0[usize::from(step.code())]
+    fn of_plane(&self, normal: usize) -> [R; 2] {
+        [self.0[(normal + 1) % 3], self.0[(normal + 2) % 3]]
+    }
+
+    /// The distance between planes with this normal.
+    #[inline(always)]
+    pub(super) fn between_planes(&self, normal: usize) -> R {
+        self.0[normal % 3]
     }
 }
 
 /// Some successive places. Index `REPEATED` is the first place of the strip itself.
 pub(super) struct Strip<R, const LENGTH: usize = LONG> {
+    positions: [R; LENGTH],
     /// How far every place has moved from the start of its grid edge, along both axes of the plane.
     offset: [[R; LENGTH]; 2],
     moves: [[R; LENGTH]; 2],
@@ -66,16 +51,61 @@ pub(super) struct Strip<R, const LENGTH: usize = LONG> {
 impl<R: Real, const LENGTH: usize> Strip<R, LENGTH> {
     pub(super) fn new() -> Self {
         let zeros = [R::default(); LENGTH];
-        Self { offset: [zeros; 2], moves: [zeros; 2], shift: [zeros; 2], weight: zeros }
+        Self {
+            positions: zeros,
+            offset: [zeros; 2],
+            moves: [zeros; 2],
+            shift: [zeros; 2],
+            weight: zeros,
+        }
     }
 
-    /// Sets the place at index `n`; its weight is without the distance of the slices.
+    /// Sets the places from index `at` on to some successive steps in planes of one family. A loop
+    /// for each number, which the compiler makes one over several places at a time.
     #[inline(always)]
-    pub(super) fn set(&mut self, n: usize, row: StepRow<R>, x: R, weight: R) {
-        (self.moves[0][n], self.moves[1][n]) = (row.moves[0], row.moves[1]);
-        (self.shift[0][n], self.shift[1][n]) = (row.shift[0], row.shift[1]);
-        self.weight[n] = weight * row.distance;
-        self.move_to(n, x);
+    fn set_steps(&mut self, at: usize, steps: &[Step], lengths: [R; 2]) {
+        let range = at..at + steps.len();
+        for k in 0..2 {
+            let (length, zero, far) = (lengths[k], R::default(), R::from_f64(FAR));
+            for (moves, step) in self.moves[k][range.clone()].iter_mut().zip(steps) {
+                *moves = if step.runs_second() == (k == 1) { length } else { zero };
+            }
+            for (shift, step) in self.shift[k][range.clone()].iter_mut().zip(steps) {
+                let here = length * R::from_i32(step.shift()[k]);
+                *shift = if step.is_linked() { here } else { far };
+            }
+            let positions = self.positions[range.clone()].iter().zip(&self.moves[k][range.clone()]);
+            for (offset, (&x, &moves)) in self.offset[k][range.clone()].iter_mut().zip(positions) {
+                *offset = x * moves;
+            }
+        }
+    }
+
+    /// Loads some places from index `at` on.
+    #[inline(always)]
+    pub(super) fn load(
+        &mut self,
+        at: usize,
+        network: &Network,
+        places: Range<usize>,
+        lengths: &Lengths<R>,
+        x: &[R],
+    ) {
+        let positions = self.positions[at..].iter_mut();
+        for (position, &v) in positions.zip(&network.vertices()[places.clone()]) {
+            *position = x[v as usize];
+        }
+        // Planes of one family follow each other, so there is mostly one family.
+        for (first, steps) in families(&network.steps()[places]) {
+            let plane = lengths.of_plane(steps[0].normal());
+            self.set_steps(at + first, steps, plane);
+        }
+    }
+
+    /// Sets the weight of the place at index `n`.
+    #[inline(always)]
+    pub(super) fn set_weight(&mut self, n: usize, weight: R) {
+        self.weight[n] = weight;
     }
 
     /// Moves the place at index `n`.
@@ -123,6 +153,24 @@ impl<R: Real, const LENGTH: usize> Strip<R, LENGTH> {
     pub(super) fn weights(&self, n: usize) -> Lanes<R> {
         lanes(&self.weight, n)
     }
+}
+
+/// The stretches of steps in planes of one family, with the number of their first.
+#[inline(always)]
+fn families(steps: &[Step]) -> impl Iterator<Item = (usize, &[Step])> {
+    let mut first = 0;
+    std::iter::from_fn(move || {
+        let rest = &steps[first..];
+        let (head, last) = (rest.first()?.normal(), rest.last()?.normal());
+        let is_other = |step: &Step| step.normal() != head;
+        let count = match head == last {
+            true => rest.len(),
+            false => rest.iter().position(is_other).unwrap_or(rest.len()),
+        };
+        let found = (first, &rest[..count]);
+        first += count;
+        Some(found)
+    })
 }
 
 /// The numbers at `n` and the next ones.

@@ -32,13 +32,8 @@ pub(super) fn solve(
         }
         let energy = problem.value(x);
         let change = relative_change(surface, &old, x);
-        let progress = Progress {
-            iteration: sweep + 1,
-            energy,
-            change,
-            tolerance,
-            share_done: None,
-        };
+        let progress =
+            Progress { iteration: sweep + 1, energy, change, tolerance, share_done: None };
         let stopped = observer(progress).is_break();
         let last_refreshed = sweep + 1 >= REFRESHED_SWEEPS || !problem.needs_freezing();
         let status = match () {

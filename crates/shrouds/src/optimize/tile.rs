@@ -106,8 +106,8 @@ pub(super) fn partition(surface: &Surface, vertices: usize, shifted: bool) -> [V
     let cuts = |range: &Range<usize>, end: usize| -> Vec<usize> {
         let parts = (range.len() as f64 / edge).round().max(1.0) as usize;
         let half = usize::from(shifted && parts > 1);
-        let inner = (1..parts + half)
-            .map(|n| range.start + (2 * n - half) * range.len() / (2 * parts));
+        let inner =
+            (1..parts + half).map(|n| range.start + (2 * n - half) * range.len() / (2 * parts));
         std::iter::once(0).chain(inner).chain([end]).collect()
     };
     let (y, z) = (cuts(&occupied[0], ny), cuts(&occupied[1], nz));
@@ -117,4 +117,60 @@ pub(super) fn partition(surface: &Surface, vertices: usize, shifted: bool) -> [V
         }
     }
     colours
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::volume::{Border, FaceRule, phantom};
+
+    fn surfaces() -> Vec<Surface> {
+        let volumes = [phantom::gyroid(64), phantom::sphere(100), phantom::linked_tori(70)];
+        let extract = |volume| Surface::extract(&volume, FaceRule::Separate, Border::Closed);
+        volumes.into_iter().map(|volume| extract(volume.unwrap()).unwrap()).collect()
+    }
+
+    #[test]
+    fn tiles_of_one_colour_are_far_apart_and_all_hold_every_row_once() {
+        for surface in surfaces() {
+            let [_, ny, nz] = surface.grid().dims();
+            for shifted in [false, true] {
+                let colours = partition(&surface, 3000, shifted);
+                assert!(colours.iter().flatten().count() > 1);
+                let mut held = vec![0; ny * nz];
+                for tile in colours.iter().flatten() {
+                    for (j, k) in tile.z.clone().flat_map(|k| tile.y.clone().map(move |j| (j, k))) {
+                        held[k * ny + j] += 1;
+                    }
+                }
+                assert!(held.iter().all(|&count| count == 1));
+                for tiles in colours {
+                    for (n, a) in tiles.iter().enumerate() {
+                        for b in &tiles[..n] {
+                            let gap = |a: &Range<usize>, b: &Range<usize>| {
+                                a.start.max(b.start).saturating_sub(a.end.min(b.end))
+                            };
+                            let apart = gap(&a.y, &b.y).max(gap(&a.z, &b.z));
+                            assert!(apart > BELOW + ABOVE, "{a:?} and {b:?}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_read_is_written_back_to_its_place() {
+        for surface in surfaces() {
+            let x: Vec<f32> = (0..surface.vertex_count()).map(|v| v as f32).collect();
+            let mut back = vec![-1.0; x.len()];
+            for rows in partition(&surface, 3000, true).into_iter().flatten() {
+                let tile = Tile::cut(&surface, rows);
+                let own = tile.read(&x);
+                assert_eq!(own.len(), tile.network.vertex_count());
+                tile.write(&own, &mut back);
+            }
+            assert_eq!(back, x);
+        }
+    }
 }
