@@ -114,11 +114,11 @@ impl<F: CurveFormula> CurveEnergy for F {
     }
 
     fn terms_single(&self, stencils: &Stencil<Lanes<f32>>) -> Term<Lanes<f32>> {
-        self.differentiate(stencils.map(|lanes| f32x8::new(lanes))).map(|wide| wide.to_array())
+        self.differentiate(stencils.map(f32x8::new)).map(|wide| wide.to_array())
     }
 
     fn terms_double(&self, stencils: &Stencil<Lanes<f64>>) -> Term<Lanes<f64>> {
-        self.differentiate(stencils.map(|lanes| f64x8::new(lanes))).map(|wide| wide.to_array())
+        self.differentiate(stencils.map(f64x8::new)).map(|wide| wide.to_array())
     }
 
     fn meusnier_exponent(&self) -> f64 {

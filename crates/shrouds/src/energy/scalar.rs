@@ -104,8 +104,8 @@ impl<S: Scalar> Mul for Slope<S> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        let slope = |a, b| a * other.value + b * self.value;
-        self.combine(other, self.value * other.value, slope)
+        let (x, y) = (self.value, other.value);
+        self.combine(other, x * y, |a, b| product_rule(x, y, a, b))
     }
 }
 
@@ -117,4 +117,10 @@ impl<S: Scalar> Div for Slope<S> {
         let ratio = self.value * inverse;
         self.combine(other, ratio, |a, b| (a - ratio * b) * inverse)
     }
+}
+
+/// The derivative of `x·y` where those of the factors are `a` and `b`.
+#[inline(always)]
+fn product_rule<S: Scalar>(x: S, y: S, a: S, b: S) -> S {
+    a * y + b * x
 }
