@@ -18,6 +18,7 @@ import numpy as np
 from judge import windings, wrong_side
 
 VOLUMES = ["tori24", "sphere32", "sphere128", "tori128", "tori128_1x1x3"]
+PRESETS = ["default", "exact"]
 # Vertices or triangles that are judged at a time: bounds the memory.
 BLOCK = 1 << 19
 
@@ -268,22 +269,25 @@ def run(command):
     return seconds, peak / (1024**2 if sys.platform == "darwin" else 1024)
 
 
-def bench(program, folder, surface, names=VOLUMES):
-    """Shrouds volumes on one thread and yields a row for each."""
+def bench(program, folder, surface, names=VOLUMES, presets=PRESETS):
+    """Shrouds volumes on one thread and yields a row for each and every preset."""
     folder.mkdir(parents=True, exist_ok=True)
     for name in names:
         made, dims, spacing = body(name)
         volume, mesh = folder / f"{name}.npy", folder / f"{name}-{surface}.ply"
         np.save(volume, occupancy(made, dims, spacing).transpose(2, 1, 0).astype("u1", order="C"))
-        command = [program, "mesh", volume, "-o", mesh, "--surface", surface, "--json", "--quiet"]
-        command += ["--spacing", ",".join(map(str, spacing)), "--threads", "1"]
-        seconds, megabytes = run(command)
-        row = measure(made, dims, spacing, *read_ply(mesh))
-        yield {"name": name, **row, "seconds": seconds, "memory": megabytes}
+        for preset in presets:
+            command = [program, "mesh", volume, "-o", mesh, "--surface", surface]
+            command += ["--preset", preset, "--spacing", ",".join(map(str, spacing))]
+            seconds, megabytes = run([*command, "--threads", "1", "--json", "--quiet"])
+            row = measure(made, dims, spacing, *read_ply(mesh))
+            costs = {"seconds": seconds, "memory": megabytes}
+            yield {"name": name, "preset": preset, **row, **costs}
 
 
 COLUMNS = {
     "name": ("volume", "{}"),
+    "preset": ("preset", "{}"),
     "vertices": ("vertices", "{}"),
     "triangles": ("triangles", "{}"),
     "distance": ("distance RMS, voxels", "{:.4f}"),
@@ -322,7 +326,8 @@ def main():
     elif arguments.program and arguments.folder:
         for surface in ("primal", "dual"):
             print(f"\n`--surface {surface}`, one thread:\n")
-            for line in table(COLUMNS, bench(arguments.program.resolve(), arguments.folder, surface)):
+            rows = bench(arguments.program.resolve(), arguments.folder, surface)
+            for line in table(COLUMNS, rows):
                 print(line, flush=True)
     else:
         parser.error("give --program and --folder, or --mesh and --volume")

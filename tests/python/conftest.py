@@ -9,10 +9,16 @@ import trimesh
 
 
 @pytest.fixture(scope="session")
-def shrouds():
+def program():
+    """The path of the program."""
+    path = os.environ.get("SHROUDS_BIN")
+    assert path, "set SHROUDS_BIN to the program, or run `cargo xtask test`"
+    return path
+
+
+@pytest.fixture(scope="session")
+def shrouds(program):
     """Calls the program and returns what it wrote to standard output."""
-    program = os.environ.get("SHROUDS_BIN")
-    assert program, "set SHROUDS_BIN to the program, or run `cargo xtask test`"
 
     def call(*arguments):
         done = subprocess.run(

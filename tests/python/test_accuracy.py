@@ -7,6 +7,7 @@ import trimesh
 from accuracy import (
     Ball,
     GyroidBall,
+    bench,
     body,
     errors,
     measure,
@@ -16,6 +17,32 @@ from accuracy import (
     wrong_by_majority,
 )
 from judge import wrong_side
+
+# The most that the distance, in voxels, and the angle of the normals, in degrees, may be off by.
+LIMITS = {
+    "default": {
+        "tori24": (0.18, 9.5),
+        "sphere128": (0.024, 0.62),
+        "tori128": (0.036, 1.30),
+        "tori128_1x1x3": (0.115, 3.0),
+    },
+    "exact": {
+        "tori24": (0.14, 7.8),
+        "sphere32": (0.023, 1.08),
+        "sphere128": (0.0152, 0.47),
+        "tori128": (0.024, 1.06),
+        "tori128_1x1x3": (0.055, 1.85),
+    },
+}
+
+
+@pytest.mark.parametrize(
+    "preset, name", [(preset, name) for preset, limits in LIMITS.items() for name in limits]
+)
+def test_surfaces_are_as_close_to_the_truth_as_promised(program, tmp_path, preset, name):
+    [row] = bench(program, tmp_path, "primal", [name], [preset])
+    distance, normal = LIMITS[preset][name]
+    assert row["distance"] < distance and row["normal"] < normal and row["wrong side"] == 0
 
 
 @pytest.mark.parametrize(

@@ -44,7 +44,7 @@ def test_the_report_of_a_mesh(shrouds, volume, tmp_path):
     volume = report["geometry"]["volume"]
     assert abs(volume - mesh.volume) < 1e-4 * mesh.volume
     assert abs(report["geometry"]["area"] - mesh.area) < 1e-4 * mesh.area
-    stages = {"read", "surface", "network", "optimize", "mesh", "check", "write"}
+    stages = {"read", "surface", "optimize", "mesh", "check", "write"}
     assert stages <= set(report["times"])
 
 

@@ -1,11 +1,15 @@
 """Volume of the shroud of small shapes made of voxels, against their voxel count.
 
-    SHROUDS_BIN=target/release/shrouds target/python/bin/python tests/python/voxel_shapes.py
+    SHROUDS_BIN=target/release/shrouds target/python/bin/python tests/python/voxel_shapes.py \
+        --preset exact
+
+Options are passed on to the program.
 """
 
 import json
 import os
 import subprocess
+import sys
 import tempfile
 
 import numpy as np
@@ -22,6 +26,7 @@ def swelling(volume, folder):
     np.save(path, volume)
     mesh = os.path.join(folder, "mesh.ply")
     command = [os.environ["SHROUDS_BIN"], "mesh", path, "-o", mesh, "--json", "--quiet"]
+    command += sys.argv[1:]
     report = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
     return report["geometry"]["volume"] / np.count_nonzero(volume) - 1
 

@@ -238,7 +238,7 @@ class Bench:
         return rows
 
     def accuracy(self, names):
-        """The program's own tables of accuracy, primal and dual."""
+        """The program's own tables of accuracy, primal and dual, of two presets."""
         for surface in ("primal", "dual"):
             say(f"accuracy, {surface}")
             rows = accuracy.bench(self.arguments.program, self.folder, surface, names)

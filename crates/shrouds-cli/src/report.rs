@@ -7,6 +7,8 @@ use serde::Serialize;
 use shrouds::check::CheckReport;
 use shrouds::optimize::{self, Round};
 
+use crate::args::Preset;
+use crate::console::plural;
 use crate::input::Source;
 use crate::settings::{Job, SettingsReport};
 
@@ -161,6 +163,18 @@ impl Report {
             memory: None,
             version: env!("CARGO_PKG_VERSION"),
         }
+    }
+
+    /// In words, that the preset stopped before the minimum, and what is left, unless it is one that
+    /// converges. Together the vertices would move farther than each one alone.
+    pub(crate) fn shortfall(&self) -> Option<String> {
+        let preset = self.settings.preset.filter(|&preset| preset != Preset::Exact)?;
+        Some(format!(
+            "--preset {} stopped after {}, before convergence: each vertex alone would still move {:.1e} voxels RMS",
+            preset.name(),
+            plural(self.solver.iterations, "iteration"),
+            self.solver.projected_step.rms,
+        ))
     }
 }
 

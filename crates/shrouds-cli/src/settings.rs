@@ -21,7 +21,9 @@ pub(crate) struct SettingsReport {
     energy: Energy,
     parameter: Option<Parameter>,
     solver: Solver,
-    preset: Option<Preset>,
+    /// Null for the sweeps.
+    pub(crate) preset: Option<Preset>,
+    /// Null for a preset that does not converge.
     tolerance: Option<f64>,
     max_iterations: usize,
     start: Start,
@@ -91,12 +93,15 @@ fn preset(args: &ShroudArgs) -> Result<Option<Preset>, Failure> {
     let is_to_the_end = args.strict || args.tolerance.is_some();
     match (args.solver, args.preset) {
         (Solver::Sweeps, None) => Ok(None),
-        (Solver::Sweeps, Some(_)) => {
-            Err(Failure::Call("--preset has no meaning for --solver sweeps: leave it out".into()))
+        (Solver::Sweeps, Some(_)) => Err(Failure::Call(
+            "--preset has no meaning for --solver sweeps, which always converges: leave it out"
+                .into(),
+        )),
+        (Solver::Newton, Some(Preset::Fast | Preset::Default)) if is_to_the_end => {
+            Err(Failure::Call(format!(
+                "{to_the_end} has no meaning for --preset fast and default, which stop before convergence; use --preset exact or leave --preset out"
+            )))
         }
-        (Solver::Newton, Some(Preset::Fast | Preset::Default)) if is_to_the_end => Err(
-            Failure::Call(format!("{to_the_end} needs --preset exact: the others do not converge")),
-        ),
         (Solver::Newton, None) if is_to_the_end => Ok(Some(Preset::Exact)),
         (Solver::Newton, preset) => Ok(Some(preset.unwrap_or(Preset::Default))),
     }

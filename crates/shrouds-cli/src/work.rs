@@ -129,7 +129,7 @@ fn write(
 
 impl Done {
     /// How the work ended, once all is written: a failure when the check found a fault, or when the
-    /// optimisation did not converge and that was asked for.
+    /// optimisation did not converge under `--strict`.
     pub(crate) fn verdict(&self, job: &Job, console: Console) -> Result<(), Failure> {
         if let Some(problem) = self.report.checks.problems.first() {
             return Err(Failure::Undone(format!(
@@ -140,13 +140,13 @@ impl Done {
     }
 }
 
-/// Warns when the optimisation did not converge, or fails if that was asked for.
+/// Warns when the optimisation was to converge and did not, or fails if that was asked for.
 pub(crate) fn converged(
     report: &optimize::Report,
     job: &Job,
     console: Console,
 ) -> Result<(), Failure> {
-    if report.status == Status::Converged {
+    if matches!(report.status, Status::Converged | Status::Preset) {
         return Ok(());
     }
     let advice = match report.status {

@@ -43,10 +43,21 @@ pub(crate) enum Solver {
 pub(crate) enum Preset {
     /// One step: smooth to the eye, at the least cost
     Fast,
-    /// Three steps: a few hundredths of a voxel from the minimum
+    /// Three steps: near the minimum on smooth shapes
     Default,
     /// Until it converges
     Exact,
+}
+
+impl Preset {
+    /// As it is typed.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Fast => "fast",
+            Self::Default => "default",
+            Self::Exact => "exact",
+        }
+    }
 }
 
 /// How a cell face with two inside corners on one diagonal is cut.

@@ -17,17 +17,20 @@ pub(crate) struct ShroudArgs {
     /// for curvature, uniform for linear]
     #[arg(long, value_enum)]
     pub(crate) parameter: Option<Parameter>,
-    /// How much work goes into the minimum; --tolerance and --strict ask for exact [default: default]
+    /// How much work newton puts into the minimum [default: default; exact under --tolerance or
+    /// --strict]
     #[arg(long, value_enum)]
     pub(crate) preset: Option<Preset>,
     /// How the minimum is sought
     #[arg(long, value_enum, default_value_t = Solver::Newton)]
     pub(crate) solver: Solver,
-    /// When to stop, above 0 and below 1. newton, exact: root mean square of the remaining step, in voxels
-    /// [default: 5e-4]; sweeps: relative change in one sweep [default: 1e-6]
+    /// When to stop, above 0 and below 1. newton: root mean square of the remaining step, in voxels;
+    /// not for --preset fast or default [default: 5e-4]; sweeps: relative change in one sweep
+    /// [default: 1e-6]
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = values::fraction)]
     pub(crate) tolerance: Option<f64>,
-    /// Most steps or sweeps, 0 to leave the start as it is [default: 100 steps, 1000 sweeps]
+    /// Most steps or sweeps, 0 to leave the start as it is [default: those of the
+    /// preset, 100 for exact; 1000 sweeps]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) max_iterations: Option<u32>,
     /// Where the vertices start: blur (the blurred volume), midpoint (the middle of the grid edges)
@@ -46,7 +49,8 @@ pub(crate) struct ShroudArgs {
     /// How patches are cut into triangles
     #[arg(long, value_enum, default_value_t = TriangleRule::Fitted)]
     pub(crate) triangles: TriangleRule,
-    /// Exit with code 3 when the optimisation does not converge; files are still written
+    /// Go on until the optimisation converges, and exit with code 3 when it does not; files are still
+    /// written
     #[arg(long)]
     pub(crate) strict: bool,
 }

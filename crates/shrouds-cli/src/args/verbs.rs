@@ -21,7 +21,10 @@ pub(crate) const MESH_HELP: &str = "\
 Volumes: .npy, .nii, .nii.gz, .nrrd. Meshes: .ply, .stl, .obj.
 
 Example, the liver (label 6) of a segmentation, with a picture and the report:
-  shrouds mesh organs.nii.gz --label 6 -o liver.ply --picture liver.png --report liver.json";
+  shrouds mesh organs.nii.gz --label 6 -o liver.ply --picture liver.png --report liver.json
+
+The same as near to the minimum as it gets, or else exit code 3:
+  shrouds mesh organs.nii.gz --label 6 -o liver.ply --strict";
 
 pub(crate) const CHECK_HELP: &str = "\
 Exit code 0 means certified, 1 that something is wrong.

@@ -125,7 +125,7 @@ fn numbers(name: &str, report: &Report) -> String {
         }
         None => number(value),
     };
-    let rows = [
+    let mut rows = vec![
         ("voxels", format!("{} inside, of {nx} × {ny} × {nz}", grouped(input.inside))),
         (
             "surface",
@@ -151,6 +151,8 @@ fn numbers(name: &str, report: &Report) -> String {
         ("wrong side", format!("{} of {points} voxels", checks.wrong_side)),
         ("time", format!("{:.2} s, of which {:.2} s to optimise", times.total, times.optimize)),
     ];
-    let lines = rows.map(|(key, value)| format!("  {key:<12}{value}"));
+    rows.extend(report.shortfall().map(|text| ("convergence", text)));
+    let lines: Vec<String> =
+        rows.into_iter().map(|(key, value)| format!("  {key:<12}{value}")).collect();
     format!("Shroud of the phantom '{name}'\n{}", lines.join("\n"))
 }

@@ -55,6 +55,14 @@ fn settings_that_do_not_go_together() {
         let parts = ["--parameter", "--energy bending", "curvature or linear"];
         folder.refuse(&format!("mesh volume.npy -o a.ply --parameter {name}"), 2, &parts);
     }
+    for preset in ["fast", "default"] {
+        for option in ["--strict", "--tolerance 1e-3"] {
+            let call = format!("mesh volume.npy -o a.ply {option} --preset {preset}");
+            folder.refuse(&call, 2, &[option.split(' ').next().unwrap(), "use --preset exact"]);
+        }
+    }
+    let parts = ["--preset", "--solver sweeps", "leave it out"];
+    folder.refuse("mesh volume.npy -o a.ply --solver sweeps --preset exact", 2, &parts);
     let parts = ["--surface dual", "--border closed"];
     folder.refuse("mesh volume.npy -o a.ply --surface dual --border open", 2, &parts);
     folder.refuse("render volume.npy -o a.png --network --surface dual", 2, &["--network"]);
@@ -76,6 +84,7 @@ fn values_out_of_range() {
         "--spacing 1,0,1",
         "--threads 0",
         "--energy warp",
+        "--preset best",
         "--label x",
         "--label 1 --threshold 0.5",
         "--threshold nan",

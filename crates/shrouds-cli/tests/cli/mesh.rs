@@ -27,7 +27,7 @@ fn mesh_picture_and_report() {
     assert_eq!(report["topology"]["vertices"], mesh.vertices.len());
     assert_eq!(report["topology"]["triangles"], mesh.triangles.len());
     assert_eq!(report["topology"]["euler"], serde_json::json!([0, 0]));
-    assert_eq!(report["solver"]["status"], "converged");
+    assert_eq!(report["solver"]["status"], "preset done");
     let energy = |end: &str| report["solver"]["energy"][end].as_f64().unwrap();
     assert!(energy("last") < energy("first"));
     let close = |key: &str, value: f64| {
@@ -38,7 +38,7 @@ fn mesh_picture_and_report() {
     close("area", mesh.area());
     close("voxel_volume", 799.0);
     clean(&report["checks"]);
-    let stages = ["read", "surface", "network", "optimize", "mesh", "check", "write", "total"];
+    let stages = ["read", "surface", "optimize", "mesh", "check", "write", "total"];
     assert!(stages.iter().all(|stage| report["times"][stage].as_f64().unwrap() >= 0.0));
     let memory = &report["memory"];
     assert!(memory.as_u64().is_some_and(|bytes| bytes > 1 << 20) || !cfg!(target_os = "linux"));
@@ -82,6 +82,8 @@ fn settings_reach_the_library() {
         "--energy curvature --parameter centripetal",
         "--energy linear",
         "--energy linear --solver sweeps --tolerance 1e-3",
+        "--preset fast",
+        "--preset exact",
         "--start random:5 --max-iterations 0",
         "--start midpoint --max-iterations 0",
         "--faces join",
@@ -114,7 +116,7 @@ fn settings_reach_the_library() {
 fn any_number_of_threads_gives_the_same_bytes() {
     let folder = Folder::new();
     folder.volume("volume.npy", &named("gyroid", 20).unwrap().volume);
-    for options in ["", "--surface dual --start random:3"] {
+    for options in ["", "--preset exact", "--surface dual --start random:3"] {
         let bytes = [1, 2, 5].map(|threads| {
             let call = format!("mesh volume.npy -o out.ply --quiet --threads {threads} {options}");
             folder.succeed(&call);
@@ -148,7 +150,7 @@ fn formats_agree() {
 #[test]
 fn not_to_converge_is_a_failure_only_under_strict() {
     let folder = Folder::with_tori();
-    let done = folder.run("mesh volume.npy -o a.ply --max-iterations 1");
+    let done = folder.run("mesh volume.npy -o a.ply --preset exact --max-iterations 1");
     assert_eq!(done.code, 0);
     assert!(done.err.contains("warning: the optimisation did not converge"), "{}", done.err);
     let done = folder.run("mesh volume.npy -o b.ply --report b.json --max-iterations 1 --strict");
@@ -157,7 +159,50 @@ fn not_to_converge_is_a_failure_only_under_strict() {
     assert!(done.err.contains("iteration limit after 1 iteration,"), "{}", done.err);
     assert_eq!(folder.bytes("a.ply"), folder.bytes("b.ply"));
     assert_eq!(folder.json("b.json")["solver"]["status"], "iteration limit");
-    assert_eq!(folder.run("mesh volume.npy -o a.ply --strict").code, 0);
+    folder.succeed("mesh volume.npy -o a.ply --report a.json --strict");
+    let report = folder.json("a.json");
+    assert_eq!(report["solver"]["status"], "converged");
+    assert_eq!(report["settings"]["preset"], "exact");
+}
+
+#[test]
+fn presets_tell_how_far_they_went() {
+    let folder = Folder::with_tori();
+    let remaining = [("fast", 1), ("default", 3)].map(|(preset, steps)| {
+        let call = format!("mesh volume.npy -o a.ply --report a.json --preset {preset}");
+        let done = folder.run(&call);
+        let report = folder.json("a.json");
+        assert_eq!(report["settings"]["preset"], preset);
+        assert!(report["settings"]["tolerance"].is_null(), "{report}");
+        assert_eq!(report["solver"]["status"], "preset done");
+        assert_eq!(report["solver"]["iterations"], steps);
+        let rms = report["solver"]["projected_step"]["rms"].as_f64().unwrap();
+        let told =
+            format!("before convergence: each vertex alone would still move {rms:.1e} voxels");
+        assert_eq!((done.code, done.err.lines().count()), (0, 1), "{}", done.err);
+        assert!(done.err.contains(&told), "no '{told}' in {}", done.err);
+        assert!(done.err.contains(&format!("--preset {preset} stopped after {steps} ")));
+        rms
+    });
+    let done = folder.run("mesh volume.npy -o a.ply --report a.json --preset exact");
+    assert!(!done.err.contains("convergence") && !done.err.contains("warning"), "{}", done.err);
+    let report = folder.json("a.json");
+    assert_eq!(report["solver"]["status"], "converged");
+    assert_eq!(report["settings"]["tolerance"], 5e-4);
+    let rms = report["solver"]["projected_step"]["rms"].as_f64().unwrap();
+    assert!(
+        rms <= 5e-4 && rms < remaining[1] && remaining[1] < remaining[0],
+        "{remaining:?}, {rms}"
+    );
+    // A stop rule asks for the preset that has one, sweeps have no preset.
+    let told = |options: &str| {
+        folder.succeed(&format!("mesh volume.npy -o a.ply --report a.json --quiet {options}"));
+        let report = folder.json("a.json");
+        (report["settings"]["preset"].clone(), report["solver"]["status"].clone())
+    };
+    assert_eq!(told(""), ("default".into(), "preset done".into()));
+    assert_eq!(told("--tolerance 1e-2"), ("exact".into(), "converged".into()));
+    assert_eq!(told("--solver sweeps --tolerance 1e-3"), (Value::Null, "converged".into()));
 }
 
 #[test]

@@ -10,9 +10,14 @@ use crate::common::{Folder, command, nifti, npy};
 fn demo_writes_four_files_and_tells_the_numbers() {
     let folder = Folder::new();
     let told = folder.succeed("demo");
-    for part in
-        ["tori", "14,626 inside, of 64 × 64 × 64", "truth", "0 of 262,144 voxels", "mesh.ply"]
-    {
+    for part in [
+        "tori",
+        "14,626 inside, of 64 × 64 × 64",
+        "truth",
+        "0 of 262,144 voxels",
+        "before convergence",
+        "mesh.ply",
+    ] {
         assert!(told.contains(part), "no '{part}' in {told}");
     }
     let inside = |name: &str| folder.bytes(&format!("shrouds-demo/{name}"));
