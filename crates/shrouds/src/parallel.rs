@@ -45,14 +45,14 @@ pub(crate) fn update_blocks<T: Send, U: Send, S: Send + Sum, const N: usize>(
     let count = leading.len();
     assert!(others.iter().all(|other| other.len() == count), "arrays of one length");
     let mut rest = others.map(|other| other.chunks_mut(BLOCK));
-    let blocks: Vec<(usize, &mut [T], [&mut [U]; N])> = leading
+    let blocks: Vec<_> = leading
         .chunks_mut(BLOCK)
         .enumerate()
         .map(|(n, block)| {
             (n * BLOCK, block, rest.each_mut().map(|chunks| chunks.next().unwrap_or_default()))
         })
         .collect();
-    let run = |(first, block, others)| f(first, block, others);
+    let run = |(first, block, others): (usize, &mut [T], [&mut [U]; N])| f(first, block, others);
     #[cfg(feature = "parallel")]
     let sums: Vec<S> = blocks.into_par_iter().map(run).collect();
     #[cfg(not(feature = "parallel"))]

@@ -105,8 +105,8 @@ impl<S: Scalar> Mul for Slope<S> {
     #[inline(always)]
     #[expect(clippy::suspicious_arithmetic_impl, reason = "the product rule has a sum")]
     fn mul(self, other: Self) -> Self {
-        let slope = |a, b| a * other.value + b * self.value;
-        self.combine(other, self.value * other.value, slope)
+        let (x, y) = (self.value, other.value);
+        self.combine(other, x * y, |a, b| product_rule(x, y, a, b))
     }
 }
 
@@ -118,4 +118,10 @@ impl<S: Scalar> Div for Slope<S> {
         let ratio = self.value * inverse;
         self.combine(other, ratio, |a, b| (a - ratio * b) * inverse)
     }
+}
+
+/// The derivative of `x·y` where those of the factors are `a` and `b`.
+#[inline(always)]
+fn product_rule<S: Scalar>(x: S, y: S, a: S, b: S) -> S {
+    a * y + b * x
 }

@@ -6,6 +6,7 @@
 //!
 //! Uses: `grid`, `volume`, `surface`, `network`, `energy`.
 
+mod around;
 mod blur;
 mod conjugate;
 mod converge;

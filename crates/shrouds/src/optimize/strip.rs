@@ -65,8 +65,8 @@ impl<R: Real, const LENGTH: usize> Strip<R, LENGTH> {
     #[inline(always)]
     fn set_steps(&mut self, at: usize, steps: &[Step], lengths: [R; 2]) {
         let range = at..at + steps.len();
-        for k in 0..2 {
-            let (length, zero, far) = (lengths[k], R::default(), R::from_f64(FAR));
+        let (zero, far) = (R::default(), R::from_f64(FAR));
+        for (k, length) in lengths.into_iter().enumerate() {
             for (moves, step) in self.moves[k][range.clone()].iter_mut().zip(steps) {
                 *moves = if step.runs_second() == (k == 1) { length } else { zero };
             }

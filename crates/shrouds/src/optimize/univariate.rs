@@ -1,6 +1,7 @@
 //! Minimising over the position of one vertex.
 
-use crate::optimize::problem::{Around, Problem};
+use crate::optimize::around::Around;
+use crate::optimize::problem::Problem;
 use crate::optimize::real::Real;
 
 /// How much shorter the next attempt is when a step raises the energy, and how often.
