@@ -1,5 +1,6 @@
 //! Pictures of meshes, with the slice curves if wanted.
 
+use shrouds::network::Network;
 use shrouds::{Shroud, TriMesh};
 use shrouds_view::{Camera, Colours, LineSet, Picture, Projection, Scene, Shading, Style};
 
@@ -60,7 +61,7 @@ pub(crate) fn network_lines(shroud: &Shroud) -> Vec<LineSet> {
     let mut lines: Vec<LineSet> =
         RED_WHITE_BLUE.map(|colour| LineSet::new(Vec::new(), colour)).into();
     let vertices = &shroud.mesh.vertices;
-    for curve in shroud.network.curves() {
+    for curve in Network::trace(&shroud.surface).curves() {
         let count = curve.vertices.len();
         let segments = if curve.closed { count } else { count.saturating_sub(1) };
         lines[curve.axis].segments.extend(

@@ -98,8 +98,9 @@ fn vertex_normals(scene: &Scene, lens: &Lens) -> Result<Vec<Vector>, Error> {
         if given != needed {
             return Err(Error::Length { what: "vertex normals", given, needed });
         }
-        finite("normal", &mesh.normals)?;
-        return Ok(mesh.normals.iter().map(|&normal| lens.turned(normal)).collect());
+        let normals: Vec<Vector> = mesh.normals.iter().map(|n| n.map(f64::from)).collect();
+        finite("normal", &normals)?;
+        return Ok(normals.into_iter().map(|normal| lens.turned(normal)).collect());
     }
     let mut sums = vec![[0.0; 3]; mesh.vertices.len()];
     for &triangle in &mesh.triangles {

@@ -276,7 +276,8 @@ fn smooth_shading_follows_the_normals() {
     let mut ball = shapes::sphere(128);
     let style = Style { shading: Shading::Smooth, ..plain(201, 201) };
     for known in [false, true] {
-        ball.normals = if known { ball.vertices.clone() } else { vec![] };
+        let radii = ball.vertices.iter().map(|p| p.map(|x| x as f32));
+        ball.normals = if known { radii.collect() } else { vec![] };
         let picture = draw(&Scene::new(&ball), &top(), &style);
         for (x, y) in [(100, 100), (60, 60), (130, 90), (100, 170), (40, 100)] {
             let radius = 201.0 * 0.45;
@@ -290,7 +291,7 @@ fn smooth_shading_follows_the_normals() {
     ball.normals.pop();
     let short = Picture::draw(&Scene::new(&ball), &top(), &style);
     assert!(matches!(short, Err(Error::Length { .. })));
-    ball.normals.push([f64::NAN; 3]);
+    ball.normals.push([f32::NAN; 3]);
     let broken = Picture::draw(&Scene::new(&ball), &top(), &style);
     assert!(matches!(broken, Err(Error::NotFinite { what: "normal", .. })));
 }

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use crate::error::Error;
-use crate::mesh::{MeshKind, TriMesh, Triangles};
+use crate::mesh::{MeshKind, TriMesh, Triangles, network_normals, place_vertices};
 use crate::network::Network;
 use crate::optimize::{self, Observer, Report, optimize};
 use crate::surface::Surface;
@@ -24,13 +24,12 @@ pub struct Settings {
     pub triangles: Triangles,
 }
 
-/// An optimal separating surface and all that led to it.
+/// An optimal separating surface and all that led to it, but for the network, which
+/// [`Network::trace`] finds again.
 #[derive(Debug, Clone)]
 pub struct Shroud {
     /// Crossings and patches.
     pub surface: Surface,
-    /// The planar curves.
-    pub network: Network,
     /// δ of every vertex of the surface, in `[margin, 1 − margin]`; 1 is the inside end.
     pub delta: Vec<f64>,
     /// The mesh in world coordinates.
@@ -87,9 +86,13 @@ pub fn shroud_observed(
         optimize(volume, &surface, &network, &settings.optimize, observer)
     })?;
     let mesh = timed(&mut times.mesh, || {
-        TriMesh::place(&surface, &network, &delta, settings.mesh, settings.triangles)
+        let vertices = place_vertices(&surface, &delta);
+        let normals = network_normals(&surface, &network, &vertices);
+        // Its memory is wanted for the triangles.
+        drop(network);
+        TriMesh::span(&surface, vertices, normals, settings.mesh, settings.triangles)
     });
-    Ok(Shroud { surface, network, delta, mesh, report, times })
+    Ok(Shroud { surface, delta, mesh, report, times })
 }
 
 fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {

@@ -25,21 +25,3 @@ pub(crate) fn cross(a: Vector, b: Vector) -> Vector {
 pub(crate) fn length(a: Vector) -> f64 {
     dot(a, a).sqrt()
 }
-
-/// The vector with length 1; the zero vector stays as it is.
-pub(crate) fn unit(a: Vector) -> Vector {
-    let length = length(a);
-    if length > 0.0 { scale(a, 1.0 / length) } else { a }
-}
-
-/// Direction of a curve between two chords that both point forwards: the tangent of the circle
-/// through the three vertices. Where one is missing it is the other; its length means nothing.
-pub(crate) fn tangent(before: Option<Vector>, after: Option<Vector>) -> Option<Vector> {
-    match (before, after) {
-        (Some(u), Some(w)) => {
-            let (uu, ww) = (dot(u, u), dot(w, w));
-            Some(std::array::from_fn(|k| u[k] * ww + w[k] * uu))
-        }
-        (before, after) => before.or(after),
-    }
-}

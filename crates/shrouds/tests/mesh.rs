@@ -167,7 +167,7 @@ fn mirrored_axes_keep_normals_outside() {
             assert!(structure(&shroud.mesh).unwrap().volume > 0.0);
             let centre = volume.grid().point([6.5, 7.3, 6.1]);
             for (p, n) in shroud.mesh.vertices.iter().zip(&shroud.mesh.normals) {
-                let outwards: f64 = (0..3).map(|k| n[k] * (p[k] - centre[k])).sum();
+                let outwards: f64 = (0..3).map(|k| f64::from(n[k]) * (p[k] - centre[k])).sum();
                 assert!(outwards > 0.0);
             }
         }
@@ -215,7 +215,7 @@ fn network_normals_of_a_ball_point_along_the_radius() {
     // Slices of a ball are circles, and the tangent of the circle through three of its points is
     // exact, so the network normals are.
     let (mesh, centre) = exact_ball();
-    let pairs = mesh.vertices.iter().zip(&mesh.normals).map(|(&p, &n)| (p, n, 1.0));
+    let pairs = mesh.vertices.iter().zip(&mesh.normals).map(|(&p, &n)| (p, n.map(f64::from), 1.0));
     let angle = rms_angle(centre, pairs);
     assert!(angle < 1e-4, "{angle} degrees");
 }

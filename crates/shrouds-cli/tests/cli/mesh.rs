@@ -194,7 +194,7 @@ fn the_frame_of_the_file_or_the_index() {
         let mean: [f64; 3] =
             std::array::from_fn(|k| mesh.vertices.iter().map(|v| v[k]).sum::<f64>() / 6.0);
         for (vertex, normal) in mesh.vertices.iter().zip(&mesh.normals) {
-            let out: f64 = (0..3).map(|k| normal[k] * (vertex[k] - mean[k])).sum();
+            let out: f64 = (0..3).map(|k| f64::from(normal[k]) * (vertex[k] - mean[k])).sum();
             assert!(out > 0.0, "{options}");
         }
         mean.map(|x| (x * 1e4).round() / 1e4)

@@ -3,6 +3,7 @@
 mod obj;
 mod ply;
 mod ply_read;
+mod records;
 mod stl;
 
 use std::fs;

@@ -1,12 +1,12 @@
 //! Wavefront OBJ: text, out and in. Materials, textures, groups and curves are passed over.
 
-use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::Path;
 
 use shrouds::TriMesh;
 
 use crate::error::Error;
+use crate::mesh::records::write_text;
 use crate::mesh::{MeshOptions, Precision, push_fan};
 
 pub(super) fn write(
@@ -15,26 +15,41 @@ pub(super) fn write(
     options: &MeshOptions,
 ) -> io::Result<()> {
     writeln!(writer, "# {}", options.comment())?;
-    let mut line = |kind: &str, v: &[f64; 3]| match options.precision {
-        Precision::Single => write_line(writer, kind, v.map(|x| x as f32)),
-        Precision::Double => write_line(writer, kind, *v),
-    };
-    mesh.vertices.iter().try_for_each(|vertex| line("v", vertex))?;
-    mesh.normals.iter().try_for_each(|normal| line("vn", normal))?;
-    for triangle in &mesh.triangles {
-        let [a, b, c] = triangle.map(|index| u64::from(index) + 1);
-        if mesh.normals.is_empty() {
-            writeln!(writer, "f {a} {b} {c}")?;
-        } else {
-            writeln!(writer, "f {a}//{a} {b}//{b} {c}//{c}")?;
+    let vertices = mesh.vertices.iter();
+    match options.precision {
+        Precision::Single => {
+            write_text(writer, vertices, |v, text| put_line(text, b"v", v.map(|x| x as f32)))
         }
-    }
-    Ok(())
+        Precision::Double => write_text(writer, vertices, |v, text| put_line(text, b"v", *v)),
+    }?;
+    write_text(writer, mesh.normals.iter(), |n, text| put_line(text, b"vn", *n))?;
+    let with_normals = !mesh.normals.is_empty();
+    write_text(writer, mesh.triangles.iter(), |triangle, text| {
+        text.push(b'f');
+        for index in triangle {
+            let mut digits = itoa::Buffer::new();
+            let digits = digits.format(u64::from(*index) + 1).as_bytes();
+            text.push(b' ');
+            text.extend_from_slice(digits);
+            if with_normals {
+                text.extend_from_slice(b"//");
+                text.extend_from_slice(digits);
+            }
+        }
+        text.push(b'\n');
+    })
 }
 
-/// Rust prints the fewest digits that read back as the same number.
-fn write_line(writer: &mut dyn Write, kind: &str, [x, y, z]: [impl Display; 3]) -> io::Result<()> {
-    writeln!(writer, "{kind} {x} {y} {z}")
+/// Appends a line of three numbers, each with the fewest digits that read back as the same one.
+fn put_line(text: &mut Vec<u8>, kind: &[u8], numbers: [impl zmij::Float; 3]) {
+    text.extend_from_slice(kind);
+    for number in numbers {
+        let mut digits = zmij::Buffer::new();
+        let digits = digits.format(number).as_bytes();
+        text.push(b' ');
+        text.extend_from_slice(digits.strip_suffix(b".0").unwrap_or(digits));
+    }
+    text.push(b'\n');
 }
 
 pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<TriMesh, Error> {
@@ -54,7 +69,7 @@ fn parse(text: &str) -> Result<TriMesh, String> {
         let mut words = line.split_whitespace();
         match words.next() {
             Some("v") => mesh.vertices.push(point(words).map_err(at)?),
-            Some("vn") => mesh.normals.push(point(words).map_err(at)?),
+            Some("vn") => mesh.normals.push(point(words).map_err(at)?.map(|x| x as f32)),
             Some("f") => {
                 corners.clear();
                 for word in words {

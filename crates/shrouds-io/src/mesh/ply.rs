@@ -4,6 +4,7 @@ use std::io::{self, Write};
 
 use shrouds::TriMesh;
 
+use crate::mesh::records::write_fixed;
 use crate::mesh::{MeshOptions, Precision};
 
 pub(super) fn write(
@@ -12,26 +13,35 @@ pub(super) fn write(
     options: &MeshOptions,
 ) -> io::Result<()> {
     writer.write_all(header(mesh, options).as_bytes())?;
-    let mut record = Vec::with_capacity(48);
-    for (index, vertex) in mesh.vertices.iter().enumerate() {
-        let normal = mesh.normals.get(index);
-        record.clear();
-        for x in vertex.iter().chain(normal.into_iter().flatten()) {
-            match options.precision {
-                Precision::Single => record.extend_from_slice(&(*x as f32).to_le_bytes()),
-                Precision::Double => record.extend_from_slice(&x.to_le_bytes()),
-            }
-        }
-        writer.write_all(&record)?;
-    }
-    for triangle in &mesh.triangles {
-        let mut record = [3; 13];
-        for (bytes, corner) in record[1..].as_chunks_mut::<4>().0.iter_mut().zip(triangle) {
-            *bytes = corner.to_le_bytes();
-        }
-        writer.write_all(&record)?;
-    }
-    Ok(())
+    let vertices = mesh.vertices.iter();
+    let both = vertices.clone().zip(&mesh.normals);
+    match (options.precision, mesh.normals.is_empty()) {
+        (Precision::Single, true) => write_fixed(writer, vertices, |v, record: &mut [u8; 12]| {
+            put(record, v.map(|x| (x as f32).to_le_bytes()));
+        }),
+        (Precision::Single, false) => write_fixed(writer, both, |(v, n), record: &mut [u8; 24]| {
+            let (place, normal) = record.split_at_mut(12);
+            put(place, v.map(|x| (x as f32).to_le_bytes()));
+            put(normal, n.map(f32::to_le_bytes));
+        }),
+        (Precision::Double, true) => write_fixed(writer, vertices, |v, record: &mut [u8; 24]| {
+            put(record, v.map(f64::to_le_bytes));
+        }),
+        (Precision::Double, false) => write_fixed(writer, both, |(v, n), record: &mut [u8; 48]| {
+            let (place, normal) = record.split_at_mut(24);
+            put(place, v.map(f64::to_le_bytes));
+            put(normal, n.map(|x| f64::from(x).to_le_bytes()));
+        }),
+    }?;
+    write_fixed(writer, mesh.triangles.iter(), |triangle, record: &mut [u8; 13]| {
+        record[0] = 3;
+        put(&mut record[1..], triangle.map(u32::to_le_bytes));
+    })
+}
+
+/// Puts three numbers at the beginning of a record.
+fn put<const SIZE: usize>(record: &mut [u8], numbers: [[u8; SIZE]; 3]) {
+    record[..3 * SIZE].copy_from_slice(numbers.as_flattened());
 }
 
 fn header(mesh: &TriMesh, options: &MeshOptions) -> String {

@@ -154,7 +154,7 @@ fn vertices(cursor: &mut Cursor, element: &Element, mesh: &mut TriMesh) -> Resul
         let [x, y, z, nx, ny, nz] = values;
         mesh.vertices.push([x, y, z]);
         if has_normals {
-            mesh.normals.push([nx, ny, nz]);
+            mesh.normals.push([nx, ny, nz].map(|x| x as f32));
         }
     }
     Ok(())

@@ -11,6 +11,7 @@ use shrouds::TriMesh;
 
 use crate::error::Error;
 use crate::mesh::MeshOptions;
+use crate::mesh::records::write_fixed;
 
 const HEADER: usize = 84;
 const TRIANGLE: usize = 50;
@@ -27,17 +28,14 @@ pub(super) fn write(
     }
     header[80..].copy_from_slice(&(mesh.triangles.len() as u32).to_le_bytes());
     writer.write_all(&header)?;
-    for triangle in &mesh.triangles {
+    write_fixed(writer, mesh.triangles.iter(), |triangle, record: &mut [u8; TRIANGLE]| {
         let corners = triangle.map(|index| mesh.vertices[index as usize]);
         let vectors = [normal(corners), corners[0], corners[1], corners[2]];
-        let mut record = [0; TRIANGLE];
         let floats = record.as_chunks_mut::<4>().0;
         for (bytes, x) in floats.iter_mut().zip(vectors.as_flattened()) {
             *bytes = (*x as f32).to_le_bytes();
         }
-        writer.write_all(&record)?;
-    }
-    Ok(())
+    })
 }
 
 /// Unit normal of a triangle, or 0 when it has no area.

@@ -18,6 +18,7 @@ pub(crate) fn octahedron(normals: bool) -> TriMesh {
         let flipped = (x + y + z) % 2 == 1;
         triangles.push(if flipped { [x, z, y] } else { [x, y, z] });
     }
+    let axes = axes.iter().map(|axis| axis.map(|x| x as f32)).collect();
     TriMesh { vertices, triangles, normals: if normals { axes } else { Vec::new() } }
 }
 
@@ -40,7 +41,7 @@ fn single(mesh: &TriMesh) -> TriMesh {
     TriMesh {
         vertices: round(&mesh.vertices),
         triangles: mesh.triangles.clone(),
-        normals: round(&mesh.normals),
+        normals: mesh.normals.clone(),
     }
 }
 

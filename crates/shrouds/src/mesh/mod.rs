@@ -3,6 +3,7 @@
 //! Uses: `grid`, `surface`, `network`.
 
 mod dual;
+mod fit;
 mod midpoint;
 mod normals;
 mod primal;
@@ -10,7 +11,8 @@ mod primal;
 pub use normals::network_normals;
 
 use crate::network::Network;
-use crate::surface::{Crossing, Surface};
+use crate::parallel;
+use crate::surface::Surface;
 use crate::vector::{Vector, cross, dot, length, subtract};
 
 /// A triangle mesh in world coordinates.
@@ -21,7 +23,7 @@ pub struct TriMesh {
     /// Vertex indices, `T × 3`, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
     /// Unit normals pointing outside, `N × 3`, or empty where none are known.
-    pub normals: Vec<[f64; 3]>,
+    pub normals: Vec<[f32; 3]>,
 }
 
 /// Which mesh stands for the surface.
@@ -46,9 +48,8 @@ pub enum Triangles {
 }
 
 impl TriMesh {
-    /// The mesh of the separating surface S(δ) (equation 3).
-    ///
-    /// `delta` has one value per vertex of the surface, 1 at the inside end of its grid edge.
+    /// The mesh of the separating surface S(δ) (equation 3), made as [`place_vertices`],
+    /// [`network_normals`] and [`TriMesh::span`] do.
     ///
     /// # Panics
     /// When `delta` has not one value per vertex.
@@ -59,16 +60,37 @@ impl TriMesh {
         kind: MeshKind,
         triangles: Triangles,
     ) -> Self {
-        assert_eq!(delta.len(), surface.vertex_count(), "one delta per vertex");
-        let place = |(c, &d): (Crossing, &f64)| surface.grid().point(c.position(d));
-        let vertices: Vec<Vector> = surface.crossings().zip(delta).map(place).collect();
+        let vertices = place_vertices(surface, delta);
         let normals = network_normals(surface, network, &vertices);
+        Self::span(surface, vertices, normals, kind, triangles)
+    }
+
+    /// The mesh whose surface has these vertices and normals, in world coordinates: one of each per
+    /// vertex of the surface. They become those of a primal mesh.
+    ///
+    /// # Panics
+    /// When there is not one position and one normal per vertex.
+    pub fn span(
+        surface: &Surface,
+        vertices: Vec<[f64; 3]>,
+        normals: Vec<[f32; 3]>,
+        kind: MeshKind,
+        triangles: Triangles,
+    ) -> Self {
+        let counts = [vertices.len(), normals.len()];
+        assert_eq!(counts, [surface.vertex_count(); 2], "one position and one normal per vertex");
         let mut mesh = match kind {
-            MeshKind::Primal => primal::mesh(surface, vertices, normals, triangles),
-            MeshKind::Dual => dual::mesh(surface, network, &vertices, &normals, triangles),
+            MeshKind::Primal => {
+                let triangles = match triangles {
+                    Triangles::Fixed => surface.fixed_triangles(),
+                    Triangles::Fitted => primal::fitted(surface, &vertices, &normals),
+                };
+                Self { vertices, triangles, normals }
+            }
+            MeshKind::Dual => dual::mesh(surface, &vertices, &normals, triangles),
         };
         if surface.grid().is_mirrored() {
-            mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+            parallel::update(&mut mesh.triangles, |_, triangle| triangle.swap(1, 2));
         }
         mesh
     }
@@ -97,16 +119,31 @@ impl TriMesh {
     }
 }
 
+/// World positions of the vertices of S(δ) (equation 3).
+///
+/// `delta` has one value per vertex of the surface, 1 at the inside end of its grid edge.
+///
+/// # Panics
+/// When `delta` has not one value per vertex.
+pub fn place_vertices(surface: &Surface, delta: &[f64]) -> Vec<[f64; 3]> {
+    assert_eq!(delta.len(), surface.vertex_count(), "one delta per vertex");
+    place_by(surface, |v| delta[v])
+}
+
+/// World positions of the vertices by the δ of each.
+fn place_by(surface: &Surface, delta: impl Fn(usize) -> f64 + Sync) -> Vec<Vector> {
+    let mut vertices = vec![[0.0; 3]; surface.vertex_count()];
+    let ends = (0..surface.slice_count()).map(|k| surface.slice_vertices(k).end as usize);
+    parallel::pieces(&mut vertices, ends, |k, piece| {
+        let numbered = (surface.slice_vertices(k).start as usize..).zip(surface.slice_crossings(k));
+        for (vertex, (v, crossing)) in piece.iter_mut().zip(numbered) {
+            *vertex = surface.grid().point(crossing.position(delta(v)));
+        }
+    });
+    vertices
+}
+
 /// Normal of a triangle with twice its area as length.
 fn doubled_area([a, b, c]: [Vector; 3]) -> Vector {
     cross(subtract(b, a), subtract(c, a))
-}
-
-/// How badly a triangle fits a direction: its area times the squared angle between the two, and a
-/// trace of its area to settle flat cases.
-fn misfit(corners: [Vector; 3], direction: Vector) -> f64 {
-    let normal = doubled_area(corners);
-    let doubled = length(normal);
-    let angle = length(cross(normal, direction)).atan2(dot(normal, direction));
-    0.5 * doubled * (angle * angle + 1e-6)
 }

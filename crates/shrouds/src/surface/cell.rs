@@ -17,7 +17,9 @@ pub struct LoopShape {
     legal: [u8; MAX_CORNERS],
     fixed: Vec<[u8; 3]>,
     twins: Vec<[u8; 2]>,
-    alone: bool,
+    /// Slots of each segment.
+    slots: Vec<[u8; 2]>,
+    free: bool,
 }
 
 impl LoopShape {
@@ -48,9 +50,16 @@ impl LoopShape {
         usize::from(!self.edges[i] & 3)
     }
 
-    /// Whether the loop is the only one of its cell.
-    pub fn is_alone(&self) -> bool {
-        self.alone
+    /// Whether the loop may be cut in any way: it is the only one of its cell, touches no cell face
+    /// twice, has at most six corners, and all its diagonals are legal.
+    pub fn is_free(&self) -> bool {
+        self.free
+    }
+
+    /// The slots of the network, as numbered there, in which the two ends of segment `n` have each
+    /// other: of its first corner and of its second.
+    pub(crate) fn slots(&self, n: usize) -> [usize; 2] {
+        self.slots[n].map(usize::from)
     }
 
     /// Pairs of loop segments that lie on the same cell face, which then is ambiguous. Segment `n`
@@ -182,12 +191,30 @@ fn loop_shape(edges: Vec<u8>, alone: bool) -> LoopShape {
     );
     debug_assert!(found, "no legal triangulation of loop {edges:?}");
     let segment_face = |n: usize| faces[n] & faces[(n + 1) % faces.len()];
-    let twins = (0..edges.len())
+    let twins: Vec<[u8; 2]> = (0..edges.len())
         .flat_map(|n| (n + 1..edges.len()).map(move |m| [n, m]))
         .filter(|&[n, m]| segment_face(n) & segment_face(m) != 0)
         .map(|pair| pair.map(|n| n as u8))
         .collect();
-    LoopShape { edges, legal, fixed, twins, alone }
+    let count = edges.len();
+    let is_legal = |i: usize, j: usize| legal[i] >> j & 1 == 1;
+    let all_legal =
+        (0..count).all(|i| (i + 2..count).all(|j| (i, j) == (0, count - 1) || is_legal(i, j)));
+    let free = alone && twins.is_empty() && all_legal && count <= 6;
+    let slots = (0..count).map(|n| {
+        let face = segment_face(n).trailing_zeros() as usize / 2;
+        [edges[n], edges[(n + 1) % count]].map(|edge| slot(edge, face))
+    });
+    LoopShape { slots: slots.collect(), edges, legal, fixed, twins, free }
+}
+
+/// The network slot in which a vertex has its neighbour across a cell face normal to `normal`, by
+/// the edge of the cell that it lies on.
+fn slot(edge: u8, normal: usize) -> u8 {
+    let curve = u8::from(normal != (usize::from(edge / 4) + 1) % 3);
+    // The curve runs across along the axis whose offset is bit 1 for curve 0, bit 0 for curve 1.
+    let high = edge >> (1 - curve) & 1;
+    2 * curve + (1 - high)
 }
 
 /// Twice the coordinates of the middle of an edge, in cell units.
@@ -245,6 +272,18 @@ mod tests {
                             assert!(is_side || shape.diagonal_is_legal(i, j));
                         }
                     }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn loops_alone_in_their_cell_that_touch_no_face_twice_are_free() {
+        for rule in RULES {
+            for pattern in 0..=255 {
+                let loops = table(rule).loops(pattern);
+                for shape in loops {
+                    assert_eq!(shape.is_free(), loops.len() == 1 && shape.twins().is_empty());
                 }
             }
         }

@@ -111,6 +111,16 @@ impl Surface {
         self.layers[layer].0..self.layers[layer + 1].0
     }
 
+    /// Number of triangles that the patches are cut into, in whatever way.
+    pub(crate) fn triangle_count(&self) -> usize {
+        self.layers[self.layer_count()].1
+    }
+
+    /// Numbers of the triangles that the patches of a layer are cut into.
+    pub(crate) fn layer_triangles(&self, layer: usize) -> Range<usize> {
+        self.layers[layer].1..self.layers[layer + 1].1
+    }
+
     #[inline]
     fn first_vertex(&self, row: usize) -> u32 {
         self.rows[row][0]

@@ -29,8 +29,8 @@ impl Surface {
     /// The fixed triangulation of all patches in order: the same triangles for every δ.
     pub fn fixed_triangles(&self) -> Vec<[u32; 3]> {
         let table = cell::table(self.face_rule);
-        let mut triangles = vec![[0; 3]; self.layers[self.layer_count()].1];
-        let ends = self.layers[1..].iter().map(|layer| layer.1);
+        let mut triangles = vec![[0; 3]; self.triangle_count()];
+        let ends = (0..self.layer_count()).map(|layer| self.layer_triangles(layer).end);
         parallel::pieces(&mut triangles, ends, |layer, piece| {
             let mut slots = piece.iter_mut();
             self.for_each_cell(layer, |corners, vertices| {
