@@ -5,8 +5,7 @@ use std::path::Path;
 
 use serde::Serialize;
 use shrouds::check::CheckReport;
-use shrouds::optimize::Round;
-use shrouds::{Shroud, TriMesh};
+use shrouds::optimize::{self, Round};
 
 use crate::input::Source;
 use crate::settings::{Job, SettingsReport};
@@ -43,8 +42,8 @@ pub(crate) struct Input {
 
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Topology {
-    pub(crate) vertices: usize,
-    pub(crate) triangles: usize,
+    pub(crate) vertices: u64,
+    pub(crate) triangles: u64,
     pub(crate) components: usize,
     /// Euler characteristic of each component.
     pub(crate) euler: Vec<i64>,
@@ -143,17 +142,23 @@ pub(crate) struct Times {
 }
 
 impl Report {
-    /// The report of a shroud whose mesh is still in world coordinates. Times of checking, writing
-    /// and all together, and the memory, come when they are known.
-    pub(crate) fn new(source: &Source, job: &Job, shroud: &Shroud, checks: &CheckReport) -> Self {
+    /// The report of a shroud that was checked in world coordinates. Times of checking, writing and
+    /// all together, and the memory, come when they are known.
+    pub(crate) fn new(
+        source: &Source,
+        job: &Job,
+        optimization: &optimize::Report,
+        times: shrouds::Times,
+        checks: &CheckReport,
+    ) -> Self {
         Self {
             input: Input::new(source),
             settings: job.report.clone(),
-            topology: Topology::new(&shroud.mesh, checks),
-            solver: Solver::new(&shroud.report),
-            geometry: Geometry::new(source, &shroud.mesh),
+            topology: Topology::new(checks),
+            solver: Solver::new(optimization),
+            geometry: Geometry::new(source, checks),
             checks: Checks::new(checks),
-            times: Times::new(source.seconds, shroud.times),
+            times: Times::new(source.seconds, times),
             memory: None,
             version: env!("CARGO_PKG_VERSION"),
         }
@@ -177,11 +182,12 @@ impl Input {
 }
 
 impl Topology {
-    fn new(mesh: &TriMesh, checks: &CheckReport) -> Self {
-        let components = &checks.structure.components;
+    fn new(checks: &CheckReport) -> Self {
+        let structure = &checks.structure;
+        let components = &structure.components;
         Self {
-            vertices: mesh.vertices.len(),
-            triangles: mesh.triangles.len(),
+            vertices: structure.vertices + structure.unused_vertices,
+            triangles: structure.triangles,
             components: components.len(),
             euler: components.iter().map(|component| component.euler).collect(),
         }
@@ -189,7 +195,7 @@ impl Topology {
 }
 
 impl Solver {
-    fn new(report: &shrouds::optimize::Report) -> Self {
+    fn new(report: &optimize::Report) -> Self {
         let [first, last] = report.energy;
         Self {
             status: report.status.name(),
@@ -213,11 +219,11 @@ impl RoundReport {
 }
 
 impl Geometry {
-    fn new(source: &Source, mesh: &TriMesh) -> Self {
+    fn new(source: &Source, checks: &CheckReport) -> Self {
         let volume = &source.occupancy;
         Self {
-            volume: mesh.volume(),
-            area: mesh.area(),
+            volume: checks.structure.volume,
+            area: checks.structure.area,
             voxel_volume: volume.count() as f64 * volume.grid().voxel_volume(),
             true_volume: source.truth[0],
             true_area: source.truth[1],

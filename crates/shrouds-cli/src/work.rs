@@ -47,21 +47,24 @@ pub(crate) fn produce(
     progress: &Progress,
 ) -> Result<Done, Failure> {
     let shroud = shroud(&source.occupancy, job, progress)?;
+    let lines = if outputs.network { network_lines(&shroud) } else { Vec::new() };
+    let Shroud { surface, delta, mesh, report: optimization, times } = shroud;
+    // The check takes their room.
+    drop((surface, delta));
     progress.stage("checking");
     let checking = Instant::now();
-    let checks = certify(&shroud.mesh, &source.occupancy, job)?;
-    let mut report = Report::new(source, job, &shroud, &checks);
+    let checks = certify(&mesh, &source.occupancy, job)?;
+    let mut report = Report::new(source, job, &optimization, times, &checks);
     report.times.check = checking.elapsed().as_secs_f64();
 
     progress.stage("writing");
     let writing = Instant::now();
     // Drawn first: once the mesh is in place nothing but a full disk keeps the others from it.
-    let lines = if outputs.network { network_lines(&shroud) } else { Vec::new() };
     let picture = match outputs.picture {
-        Some(path) => Some((path, View::usual().draw(&shroud.mesh, &lines)?)),
+        Some(path) => Some((path, View::usual().draw(&mesh, &lines)?)),
         None => None,
     };
-    write(outputs.mesh, shroud.mesh, source, job.frame, console)?;
+    write(outputs.mesh, mesh, source, job.frame, console)?;
     if let Some((path, picture)) = picture {
         write_picture(path, &picture)?;
     }
@@ -71,7 +74,7 @@ pub(crate) fn produce(
     if let Some(path) = outputs.report {
         write_json(path, &report)?;
     }
-    Ok(Done { report, optimization: shroud.report })
+    Ok(Done { report, optimization })
 }
 
 /// The shroud of a volume.

@@ -31,6 +31,17 @@ pub(crate) fn blocks<R: Send>(
     (0..blocks).map(run).collect()
 }
 
+/// The results of both, at the same time where there is a thread for it.
+pub(crate) fn both<A: Send, B: Send>(
+    a: impl FnOnce() -> A + Send,
+    b: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    #[cfg(feature = "parallel")]
+    return rayon::join(a, b);
+    #[cfg(not(feature = "parallel"))]
+    (a(), b())
+}
+
 /// Sum of `f(i)` over `0..count`, always in the same order.
 pub(crate) fn sum(count: usize, f: impl Fn(usize) -> f64 + Sync) -> f64 {
     blocks(count, BLOCK, |range| range.map(&f).sum::<f64>()).into_iter().sum()

@@ -131,8 +131,8 @@ fn numbers(name: &str, report: &Report) -> String {
             "surface",
             format!(
                 "{} vertices, {} triangles, {}",
-                grouped(topology.vertices as u64),
-                grouped(topology.triangles as u64),
+                grouped(topology.vertices),
+                grouped(topology.triangles),
                 plural(topology.components, "component"),
             ),
         ),

@@ -51,8 +51,8 @@ fn summary(output: &Path, report: &Report) -> String {
     format!(
         "{}: {} vertices, {} triangles, volume {}, area {}, {} of {} voxels on the wrong side, {:.2} s",
         output.display(),
-        grouped(topology.vertices as u64),
-        grouped(topology.triangles as u64),
+        grouped(topology.vertices),
+        grouped(topology.triangles),
         number(geometry.volume),
         number(geometry.area),
         report.checks.wrong_side,

@@ -8,9 +8,10 @@ use std::ops::Range;
 
 use crate::check::curve;
 use crate::check::found::Found;
+use crate::check::measure::bounds;
 use crate::check::predicates::{Corners, Point, coplanar_corners_meet, coplanar_triangles_meet};
 use crate::check::predicates::{folded, is_degenerate, segment_meets_triangle, side_of_plane};
-use crate::check::structure::{bounds, corners};
+use crate::check::structure::corners;
 use crate::mesh::TriMesh;
 use crate::parallel;
 

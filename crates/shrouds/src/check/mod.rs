@@ -9,15 +9,20 @@
 
 mod crossing;
 mod curve;
+mod fans;
 mod found;
+mod grid_edges;
 mod intersection;
+mod measure;
 mod predicates;
 mod report;
 mod separation;
 mod structure;
+mod union;
 mod voxel_components;
 mod voxel_rows;
 mod voxel_topology;
+mod windows;
 
 pub use found::Found;
 pub use report::CheckReport;
@@ -28,6 +33,7 @@ pub use voxel_topology::{VoxelTopology, voxel_topology};
 use crate::error::Error;
 use crate::grid::Grid;
 use crate::mesh::TriMesh;
+use crate::parallel;
 use crate::volume::{Border, FaceRule, Occupancy};
 
 /// What to expect of a mesh.
@@ -98,8 +104,11 @@ pub fn check(
     if open && dims.contains(&1) {
         return Err(Error::NoCells { dims });
     }
-    let (structure, boundary) = structure::examine(mesh)?;
-    let axes = if open || settings.all_axes { 3 } else { 1 };
+    let (found, expected) = parallel::both(
+        || examine(mesh, volume, settings),
+        || voxel_topology(volume, settings.border, settings.faces),
+    );
+    let (structure, boundary, separation) = found?;
     Ok(CheckReport {
         settings: *settings,
         structure,
@@ -107,9 +116,27 @@ pub fn check(
         self_intersections: settings
             .self_intersections
             .then(|| intersection::self_intersections(mesh)),
-        separation: separation::separation(mesh, volume, settings.border, axes)?,
-        expected: voxel_topology(volume, settings.border, settings.faces),
+        separation,
+        expected,
     })
+}
+
+/// The mesh by itself, with its boundary edges, and against the lattice points.
+fn examine(
+    mesh: &TriMesh,
+    volume: &Occupancy,
+    settings: &CheckSettings,
+) -> Result<(Structure, structure::Edges, Separation), Error> {
+    let (structure, boundary, windows) = structure::examine(mesh)?;
+    let open = settings.border == Border::Open;
+    let axes = if open || settings.all_axes { 3 } else { 1 };
+    let separated =
+        axes == 1 && windows.is_some_and(|windows| grid_edges::separates(&windows, volume));
+    let separation = match separated {
+        true => Separation { axes, ..Separation::default() },
+        false => separation::separation(mesh, volume, settings.border, axes)?,
+    };
+    Ok((structure, boundary, separation))
 }
 
 /// The boundary edges that do not lie in an outermost lattice plane of an open volume.

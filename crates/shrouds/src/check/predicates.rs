@@ -66,16 +66,18 @@ pub(super) fn area_vector([a, b, c]: &Corners) -> Point {
     cross(difference(*b, *a), difference(*c, *a))
 }
 
+/// Whether the triangle has an area for sure, by the squared length of its [`area_vector`].
+#[inline]
+pub(super) fn is_surely_proper([a, b, c]: &Corners, squared: f64) -> bool {
+    let (u, v) = (difference(*b, *a), difference(*c, *a));
+    // The rounding error of the vector is a few ulp of |u||v|: beyond that it is not zero.
+    squared > 1e-28 * dot(u, u) * dot(v, v)
+}
+
 /// Whether the triangle has no area, exactly.
 pub(super) fn is_degenerate(triangle: &Corners) -> bool {
-    let [a, b, c] = triangle;
-    let (u, v) = (difference(*b, *a), difference(*c, *a));
-    let normal = cross(u, v);
-    // The rounding error of the normal is a few ulp of |u||v|: beyond that it is not zero.
-    if dot(normal, normal) > 1e-28 * dot(u, u) * dot(v, v) {
-        return false;
-    }
-    projection(triangle).is_none()
+    let normal = area_vector(triangle);
+    !is_surely_proper(triangle, dot(normal, normal)) && projection(triangle).is_none()
 }
 
 /// Two axes along which the triangle keeps an area when the third coordinate is dropped.

@@ -2,18 +2,24 @@
 //!
 //! One pass over the vertices sees everything: the triangles around a vertex, sorted by their other
 //! corners, give the edges that leave it, and joining them across those edges gives its fans. Memory
-//! is a list of the triangles around each vertex and a few words per triangle.
+//! is a list of the triangles around each vertex and a few words per triangle. Closed manifolds, which
+//! most meshes are, go a shorter way: see `fans`.
 
+use crate::check::fans;
 use crate::check::found::Found;
-use crate::check::predicates::{COORDINATE_LIMIT, Corners, area_vector, dot, is_degenerate};
+use crate::check::measure::measure;
+use crate::check::predicates::{COORDINATE_LIMIT, Corners};
+use crate::check::union::{find, join};
+use crate::check::windows::Windows;
 use crate::error::Error;
 use crate::mesh::TriMesh;
 use crate::parallel;
 
 /// Triangles per block of parallel work.
 const BLOCK: usize = 1 << 14;
-/// A triangle is a sliver when its area is below this part of the mean area.
-const SLIVER: f64 = 1e-9;
+
+/// Edges as pairs of vertices.
+pub(super) type Edges = Vec<[u32; 2]>;
 
 /// What a mesh is by itself. Edges and fans are those of the triangles with three different corners;
 /// a triangle that names a vertex twice is degenerate and no more than an edge.
@@ -99,16 +105,37 @@ pub fn structure(mesh: &TriMesh) -> Result<Structure, Error> {
     Ok(examine(mesh)?.0)
 }
 
-/// [`structure`], and all boundary edges.
-pub(super) fn examine(mesh: &TriMesh) -> Result<(Structure, Vec<[u32; 2]>), Error> {
+/// [`structure`], all boundary edges, and the windows of a closed manifold where it has any.
+pub(super) fn examine(mesh: &TriMesh) -> Result<(Structure, Edges, Option<Windows<'_>>), Error> {
     refuse_damage(mesh)?;
-    let mut walk = Walk::new(mesh);
-    walk.run(mesh);
-    let (mut structure, boundary) = walk.finish(mesh);
+    let windows = Windows::new(mesh);
+    let parts = windows.and_then(|windows| Some((fans::closed_parts(&windows)?, windows)));
+    let (mut structure, boundary, windows) = match parts {
+        Some((components, windows)) => (closed(mesh, components), Vec::new(), Some(windows)),
+        None => {
+            let (structure, boundary) = walk(mesh);
+            (structure, boundary, None)
+        }
+    };
     structure.unused_vertices = mesh.vertices.len() as u64 - structure.vertices;
     structure.triangles = mesh.triangles.len() as u64;
     measure(mesh, &mut structure);
-    Ok((structure, boundary))
+    Ok((structure, boundary, windows))
+}
+
+/// Edges, fans and components of any mesh, and all boundary edges.
+pub(super) fn walk(mesh: &TriMesh) -> (Structure, Edges) {
+    let mut walk = Walk::new(mesh);
+    walk.run(mesh);
+    walk.finish(mesh)
+}
+
+/// The structure of a closed manifold with these components.
+fn closed(mesh: &TriMesh, components: Vec<Component>) -> Structure {
+    let edges = mesh.triangles.len() as u64 / 2 * 3;
+    let euler: i64 = components.iter().map(|component| component.euler).sum();
+    let vertices = (euler + mesh.triangles.len() as i64 / 2) as u64;
+    Structure { vertices, edges, components, ..Structure::default() }
 }
 
 /// The corners of triangle `index`.
@@ -123,13 +150,16 @@ fn refuse_damage(mesh: &TriMesh) -> Result<(), Error> {
     if triangles > u32::MAX as usize / 3 {
         return Err(Error::Mesh(format!("it has {triangles} triangles; check it in parts")));
     }
-    let unusable = |point: &[f64; 3]| !point.iter().all(|x| x.abs() <= COORDINATE_LIMIT);
-    if let Some(v) = mesh.vertices.iter().position(unusable) {
+    let unusable = |point: &[f64; 3]| {
+        let usable = point.map(|x| x.abs() <= COORDINATE_LIMIT);
+        !(usable[0] & usable[1] & usable[2])
+    };
+    if let Some(v) = first(&mesh.vertices, unusable) {
         let point = mesh.vertices[v];
         return Err(Error::Mesh(format!("vertex {v} lies at {point:?}; all must be below 1e90")));
     }
-    let dangling = |corners: &[u32; 3]| corners.iter().any(|&v| v as usize >= vertices);
-    match mesh.triangles.iter().position(dangling) {
+    let dangling = |&[a, b, c]: &[u32; 3]| a.max(b).max(c) as usize >= vertices;
+    match first(&mesh.triangles, dangling) {
         Some(t) => Err(Error::Mesh(format!(
             "triangle {t} joins vertices {:?}, but there are only {vertices}",
             mesh.triangles[t]
@@ -138,48 +168,13 @@ fn refuse_damage(mesh: &TriMesh) -> Result<(), Error> {
     }
 }
 
-fn measure(mesh: &TriMesh, structure: &mut Structure) {
-    let count = mesh.triangles.len();
-    let area = |t: usize| {
-        let normal = area_vector(&corners(mesh, t));
-        0.5 * dot(normal, normal).sqrt()
-    };
-    structure.area = parallel::sum(count, area);
-    let centre = centre(&mesh.vertices);
-    structure.volume = parallel::sum(count, |t| {
-        let triangle = corners(mesh, t).map(|p| std::array::from_fn(|d| p[d] - centre[d]));
-        dot(triangle[0], area_vector(&triangle)) / 6.0
+/// The first item that is wrong.
+fn first<T: Sync>(items: &[T], is_wrong: impl Fn(&T) -> bool + Sync) -> Option<usize> {
+    let blocks = parallel::blocks(items.len(), BLOCK, |range| {
+        items[range].iter().fold(false, |any, item| any | is_wrong(item))
     });
-    let least = SLIVER * structure.area / count.max(1) as f64;
-    let blocks = parallel::blocks(count, BLOCK, |range| {
-        let (mut degenerate, mut slivers) = (Found::default(), Found::default());
-        for t in range {
-            let [a, b, c] = mesh.triangles[t];
-            if a == b || b == c || c == a || is_degenerate(&corners(mesh, t)) {
-                degenerate.push(t as u32);
-            } else if area(t) < least {
-                slivers.push(t as u32);
-            }
-        }
-        (degenerate, slivers)
-    });
-    let (degenerate, slivers): (Vec<_>, Vec<_>) = blocks.into_iter().unzip();
-    structure.degenerate_triangles = Found::gather(degenerate);
-    structure.sliver_triangles = Found::gather(slivers);
-}
-
-/// Centre of the bounding box: volumes relative to it do not drown in a far-off origin.
-fn centre(vertices: &[[f64; 3]]) -> [f64; 3] {
-    let (low, high) = bounds(vertices);
-    std::array::from_fn(|d| if low[d] <= high[d] { 0.5 * (low[d] + high[d]) } else { 0.0 })
-}
-
-/// Smallest and largest coordinates; infinite the wrong way round when there are no vertices.
-pub(super) fn bounds(vertices: &[[f64; 3]]) -> ([f64; 3], [f64; 3]) {
-    let start = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    vertices.iter().fold(start, |(low, high), p| {
-        (std::array::from_fn(|d| p[d].min(low[d])), std::array::from_fn(|d| p[d].max(high[d])))
-    })
+    let block = blocks.into_iter().position(|any| any)?;
+    items[block * BLOCK..].iter().position(is_wrong).map(|n| block * BLOCK + n)
 }
 
 /// A triangle seen from one of its vertices along one of its edges.
@@ -202,7 +197,7 @@ struct Walk {
     joined: Vec<u32>,
     /// Each triangle's share of the Euler characteristic of its component.
     euler: Vec<i32>,
-    boundary: Vec<[u32; 2]>,
+    boundary: Edges,
     structure: Structure,
 }
 
@@ -298,7 +293,7 @@ impl Walk {
         }
     }
 
-    fn finish(mut self, mesh: &TriMesh) -> (Structure, Vec<[u32; 2]>) {
+    fn finish(mut self, mesh: &TriMesh) -> (Structure, Edges) {
         let components = &mut self.structure.components;
         // Euler shares go to the roots; a root is the smallest of its component, so it comes first.
         let mut place = vec![0u32; self.joined.len()];
@@ -331,19 +326,4 @@ fn others([a, b, c]: [u32; 3], v: u32) -> [u32; 2] {
     } else {
         [a, b]
     }
-}
-
-fn find(parents: &mut [u32], mut i: u32) -> u32 {
-    while parents[i as usize] != i {
-        let grandparent = parents[parents[i as usize] as usize];
-        parents[i as usize] = grandparent;
-        i = grandparent;
-    }
-    i
-}
-
-/// Joins two sets; the smaller root stays a root.
-fn join(parents: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (find(parents, a), find(parents, b));
-    parents[a.max(b) as usize] = a.min(b);
 }

@@ -17,7 +17,7 @@ pub(super) fn count(rows: &Rows, faces: FaceRule) -> [u64; 2] {
             if k + 1 < nz {
                 runs.join_side_by_side(row(j, k), row(j, k + 1), diagonal);
             }
-            if j + 1 < ny && k + 1 < nz {
+            if j + 1 < ny && k + 1 < nz && rows.have_ambiguous_face(j, k) {
                 runs.join_across(row(j, k), row(j + 1, k + 1), diagonal);
                 runs.join_across(row(j + 1, k), row(j, k + 1), diagonal);
             }
@@ -58,6 +58,13 @@ impl Runs {
             }
         }
         runs.parents = (0..runs.starts.len()).collect();
+        if rows.are_closed() {
+            // The ends of all rows lie in the outside layer and hang together.
+            for row in 0..runs.inside.len() {
+                let (first, last) = (runs.rows[row], runs.rows[row + 1] - 1);
+                (runs.parents[first], runs.parents[last]) = (0, 0);
+            }
+        }
         runs
     }
 
@@ -107,6 +114,9 @@ impl Runs {
     fn walk(&mut self, a: usize, b: usize, mut visit: impl FnMut(&mut Self, Step)) {
         let [mut run_a, mut run_b] = [self.rows[a], self.rows[b]];
         let [end_a, end_b] = [self.rows[a + 1], self.rows[b + 1]];
+        if end_a - run_a == 1 && end_b - run_b == 1 && self.parents[run_a] == self.parents[run_b] {
+            return;
+        }
         let [mut inside_a, mut inside_b] = [self.inside[a], self.inside[b]];
         loop {
             let next_a = if run_a + 1 < end_a { self.starts[run_a + 1] } else { u32::MAX };
@@ -137,6 +147,9 @@ impl Runs {
     }
 
     fn join(&mut self, a: usize, b: usize) {
+        if self.parents[a] == self.parents[b] {
+            return;
+        }
         let (a, b) = (self.find(a), self.find(b));
         self.parents[a.max(b)] = a.min(b);
     }
