@@ -233,3 +233,77 @@ pub(super) fn misfit(u: [f32; 3], v: [f32; 3], direction: [f32; 3]) -> f32 {
     let squared = x * x + y * y + z * z;
     (normal_squared * squared).sqrt() - (nx * x + ny * y + nz * z)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::uniform;
+    use crate::surface::triangulation::cheapest;
+
+    struct Sample {
+        vertices: Vec<u32>,
+        corners: Vec<([f32; 3], [f32; 3])>,
+    }
+
+    impl Polygon for Sample {
+        fn vertices(&self) -> &[u32] {
+            &self.vertices
+        }
+
+        fn corner(&self, n: usize) -> ([f32; 3], [f32; 3]) {
+            self.corners[n]
+        }
+    }
+
+    impl Sample {
+        /// A polygon around the z axis, with its corners numbered from 10 on.
+        fn random(count: usize, seed: u64) -> Self {
+            let number = |index: usize| uniform(seed, index as u64) as f32 - 0.5;
+            let corner = |n: usize| {
+                let angle = std::f32::consts::TAU * (n as f32 + 0.5 * number(7 * n)) / count as f32;
+                let place = [angle.cos(), angle.sin(), number(7 * n + 1)];
+                (place, [number(7 * n + 2), number(7 * n + 3), 1.0])
+            };
+            let vertices = (10..).take(count).collect();
+            Self { vertices, corners: (0..count).map(corner).collect() }
+        }
+
+        fn cost(&self, [i, k, j]: [usize; 3]) -> f32 {
+            let [(a, d), (b, e), (c, f)] = [i, k, j].map(|n| self.corners[n]);
+            let side = |p: [f32; 3]| [p[0] - a[0], p[1] - a[1], p[2] - a[2]];
+            misfit(side(b), side(c), [0, 1, 2].map(|x| d[x] + e[x] + f[x]))
+        }
+    }
+
+    #[test]
+    fn polygons_get_the_triangles_that_cost_least() {
+        let (mut fit, mut triangles, mut samples) = (Fit::default(), Vec::new(), Vec::new());
+        for seed in 0..1000 {
+            let sample = Sample::random(4 + seed as usize % 3, seed);
+            let at = triangles.len();
+            triangles.resize(at + sample.vertices.len() - 2, [0; 3]);
+            fit.push(&sample, at, &mut triangles);
+            samples.push((at, sample));
+        }
+        fit.finish(&mut triangles);
+        for (at, sample) in samples {
+            let count = sample.vertices.len();
+            let found = &triangles[at..at + count - 2];
+            let found = found.iter().map(|t| t.map(|v| v as usize - 10));
+            let mut best = Vec::new();
+            cheapest(count, |_, _| true, |i, k, j| sample.cost([i, k, j]), &mut best);
+            let best: f32 = best.iter().map(|t| sample.cost(t.map(usize::from))).sum();
+            let cost: f32 = found.clone().map(|triangle| sample.cost(triangle)).sum();
+            assert!((cost - best).abs() < 1e-5, "{cost} {best}");
+            // Every side of the polygon once, every diagonal once in each direction.
+            let edges = found.flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]);
+            let mut edges: Vec<[usize; 2]> = edges.collect();
+            edges.sort_unstable();
+            for n in 0..edges.len() {
+                let [a, b] = edges[n];
+                assert!(n == 0 || edges[n - 1] != [a, b]);
+                assert_eq!(edges.contains(&[b, a]), b != (a + 1) % count, "{edges:?}");
+            }
+        }
+    }
+}

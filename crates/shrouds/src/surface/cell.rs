@@ -277,6 +277,18 @@ mod tests {
         }
     }
 
+    #[test]
+    fn loops_alone_in_their_cell_that_touch_no_face_twice_are_free() {
+        for rule in RULES {
+            for pattern in 0..=255 {
+                let loops = table(rule).loops(pattern);
+                for shape in loops {
+                    assert_eq!(shape.is_free(), loops.len() == 1 && shape.twins().is_empty());
+                }
+            }
+        }
+    }
+
     /// Directed segments that a pattern's loops lay on one face, as pairs of in-face edges.
     fn face_segments(pattern: u8, rule: FaceRule, axis: usize, side: usize) -> Vec<[usize; 2]> {
         let face = 1u8 << (2 * axis + side);
