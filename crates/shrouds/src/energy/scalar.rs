@@ -103,7 +103,6 @@ impl<S: Scalar> Sub for Slope<S> {
 impl<S: Scalar> Mul for Slope<S> {
     type Output = Self;
     #[inline(always)]
-    #[expect(clippy::suspicious_arithmetic_impl, reason = "the product rule has a sum")]
     fn mul(self, other: Self) -> Self {
         let (x, y) = (self.value, other.value);
         self.combine(other, x * y, |a, b| product_rule(x, y, a, b))
