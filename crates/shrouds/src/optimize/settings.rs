@@ -22,7 +22,7 @@ pub enum Solver {
 pub enum Preset {
     /// One step: smooth to the eye, at the least cost.
     Fast,
-    /// Three steps: within a few hundredths of a voxel of the minimum.
+    /// Three steps: near the minimum on smooth shapes, not on thin ones.
     #[default]
     Default,
     /// Steps until the stop rule is satisfied.
