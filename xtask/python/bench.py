@@ -30,6 +30,8 @@ QUICK = ["tori24", "tori128"]
 # The same kind of surface, everywhere of the same roughness: only their number of vertices differs.
 GROWTH = ["gyroid96_period32", "gyroid256"]
 LARGE_GROWTH = [*GROWTH, "gyroid416_period32"]
+# Seconds that make a turn too slow for another one.
+SLOW = 15
 # Seconds after which a comparison takes no further turns.
 PATIENCE = 60
 
@@ -87,8 +89,14 @@ def brain(path):
 
 
 def alternate(contenders, repeats):
-    """Lets (worker, request) pairs take turns; the first answers, then all later ones, of each."""
+    """Lets (worker, request) pairs take turns; the first answers, then all later ones, of each.
+
+    A first turn that takes long is the only one.
+    """
+    start = time.monotonic()
     first = [worker.ask(request) for worker, request in contenders]
+    if time.monotonic() - start > SLOW:
+        return first, [[answer] for answer in first]
     later, start = [[] for _ in contenders], time.monotonic()
     for _ in range(repeats):
         for answers, (worker, request) in zip(later, contenders):
