@@ -1,7 +1,9 @@
 //! The energies against formulas: derivatives, circles, lines, and how they scale.
 
 use proptest::prelude::*;
-use shrouds::energy::{Bending, Curvature, CurveEnergy, Linear, Parameter, Point2, Stencil};
+use shrouds::energy::{
+    Bending, Curvature, CurveEnergy, LANES, Lanes, Linear, Parameter, Point2, Stencil,
+};
 
 const PARAMETERS: [Parameter; 3] = [Parameter::Uniform, Parameter::Chord, Parameter::Centripetal];
 
@@ -128,4 +130,40 @@ fn linear_with_a_uniform_parameter_is_the_second_difference() {
     let second = [0, 1].map(|k: usize| points[0][k] - 2.0 * points[1][k] + points[2][k]);
     let expected = 16.0 * (second[0].powi(2) + second[1].powi(2));
     assert!(close(Linear::default().rho(&points), expected, 1e-14));
+}
+
+proptest! {
+    #[test]
+    fn several_stencils_at_a_time_are_each_as_one_alone(
+        all in proptest::collection::vec(three_points(), LANES),
+        moves in proptest::array::uniform3(0usize..2)
+    ) {
+        let moves = moves.map(along);
+        let lanes = |n: usize, k: usize| -> Lanes<f64> { std::array::from_fn(|l| all[l][n][k]) };
+        let points = [0, 1, 2].map(|n| [0, 1].map(|k| lanes(n, k)));
+        let stencils = Stencil { points, moves: moves.map(|m| m.map(|x| [x; LANES])) };
+        let single = Stencil {
+            points: points.map(|p| p.map(|v| v.map(|x| x as f32))),
+            moves: stencils.moves.map(|p| p.map(|v| v.map(|x| x as f32))),
+        };
+        for (name, energy, _) in energies() {
+            let (double, single) = (energy.terms_double(&stencils), energy.terms_single(&single));
+            for (l, points) in all.iter().enumerate() {
+                let term = energy.term(&Stencil { points: *points, moves });
+                for r in 0..2 {
+                    prop_assert_eq!(double.residual[r][l], term.residual[r], "{}", name);
+                    for n in 0..3 {
+                        prop_assert_eq!(double.slope[r][n][l], term.slope[r][n], "{}", name);
+                        // Curvature has no bound where a curve turns back.
+                        if name.starts_with("curvature") {
+                            continue;
+                        }
+                        let scale = 1.0 + term.slope[r].iter().fold(0.0, |m: f64, s| m.max(s.abs()));
+                        let error = (f64::from(single.slope[r][n][l]) - term.slope[r][n]).abs();
+                        prop_assert!(error < 2e-2 * scale, "{name}: {error:e} of {scale}");
+                    }
+                }
+            }
+        }
+    }
 }
