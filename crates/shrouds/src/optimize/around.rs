@@ -1,7 +1,7 @@
 //! The energy as a function of the position of one vertex.
 
 use crate::energy::{CurveEnergy, LANES};
-use crate::optimize::problem::Problem;
+use crate::optimize::problem::{Barrier, Problem};
 use crate::optimize::real::Real;
 use crate::optimize::strip::Strip;
 
@@ -12,7 +12,7 @@ const WINDOWS: [usize; 2] = [0, LANES - 3];
 /// The part of the energy that depends on one vertex.
 pub(super) struct Around<'a, R> {
     energy: &'a dyn CurveEnergy,
-    barrier: f64,
+    barrier: Barrier,
     strip: Strip<R, { LANES + 4 }>,
 }
 
@@ -46,14 +46,12 @@ impl<R: Real> Around<'_, R> {
                 sum.curvature += 2.0 * weight * (a * a + b * b);
             }
         }
-        if self.barrier > 0.0 {
-            let x = x.to_f64();
-            let (low, high) = (1.0 / x, 1.0 / (1.0 - x));
-            sum.value -= self.barrier * (4.0 * x * (1.0 - x)).ln();
-            sum.slope += self.barrier * (high - low);
-            sum.curvature += self.barrier * (low * low + high * high);
+        let (slope, curvature) = self.barrier.slopes(x.to_f64());
+        Univariate {
+            value: sum.value + self.barrier.value(x.to_f64()),
+            slope: sum.slope + slope,
+            curvature: sum.curvature + curvature,
         }
-        sum
     }
 }
 

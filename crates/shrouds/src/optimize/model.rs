@@ -83,9 +83,9 @@ impl<R: Real> Model<R> {
             for (n, (gradient, diagonal)) in gradient.iter_mut().zip(diagonal).enumerate() {
                 let [a, b] = places[first + n];
                 let (a, b) = (a as usize, b as usize);
-                let barrier = problem.barrier_slope(x[first + n]);
-                *gradient = R::from_f64(barrier.slope) + slopes[a] + slopes[b];
-                *diagonal = barrier.curvature as f32 + squares[a] + squares[b];
+                let (slope, curvature) = problem.barrier.slopes(x[first + n].to_f64());
+                *gradient = R::from_f64(slope) + slopes[a] + slopes[b];
+                *diagonal = curvature as f32 + squares[a] + squares[b];
             }
             0.0
         });

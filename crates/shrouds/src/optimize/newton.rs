@@ -33,7 +33,7 @@ impl<R: Real> Newton<R> {
     }
 
     /// One step that lowers the energy: of all vertices together, or else vertex by vertex. Returns
-    /// the new energy, with the model linearised there, or nothing when neither helped.
+    /// the new energy, or nothing when neither helped; the model is linearised where `x` is then.
     pub(super) fn step(
         &mut self,
         problem: &Problem<R>,
@@ -62,10 +62,12 @@ impl<R: Real> Newton<R> {
         let all: Vec<u32> = (0..x.len() as u32).collect();
         repair(problem, &mut alone, &all);
         let lower = self.model.linearise(problem, &alone);
-        (lower.all < energy.all).then(|| {
+        if lower.all < energy.all {
             *x = alone;
-            lower
-        })
+            return Some(lower);
+        }
+        self.model.linearise(problem, x);
+        None
     }
 
     /// The vertices that would move far if they were alone, unless they are many: few, they sit in

@@ -34,8 +34,7 @@ pub(super) struct Problem<'a, R> {
     /// Weight of ρ at each vertex on both of its curves, but for the distance of the slices; 0 where
     /// a neighbour is missing.
     weights: Vec<[R; 2]>,
-    /// Strength μ of the barrier.
-    pub(super) barrier: f64,
+    pub(super) barrier: Barrier,
     /// Whether a vertex must stay where it is.
     pub(super) is_fixed: Vec<bool>,
 }
@@ -60,11 +59,21 @@ impl Sum for Energy {
     }
 }
 
-/// The barrier at one position.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Barrier {
-    pub(super) slope: f64,
-    pub(super) curvature: f64,
+/// The barrier `−μ·log(4·x·(1 − x))` of strength μ at a position.
+#[derive(Clone, Copy)]
+pub(super) struct Barrier(f64);
+
+impl Barrier {
+    pub(super) fn value(self, x: f64) -> f64 {
+        if self.0 == 0.0 { 0.0 } else { -self.0 * (4.0 * x * (1.0 - x)).ln() }
+    }
+
+    /// Slope and curvature.
+    #[inline]
+    pub(super) fn slopes(self, x: f64) -> (f64, f64) {
+        let (low, high) = (1.0 / x, 1.0 / (1.0 - x));
+        (self.0 * (high - low), self.0 * (low * low + high * high))
+    }
 }
 
 impl<'a, R: Real> Problem<'a, R> {
@@ -76,7 +85,7 @@ impl<'a, R: Real> Problem<'a, R> {
             lengths: Lengths::new(conditions.spacing),
             bounds: conditions.bounds.map(R::from_f64),
             weights: vec![[R::default(); 2]; network.vertex_count()],
-            barrier: 0.0,
+            barrier: Barrier(0.0),
             is_fixed: vec![false; network.vertex_count()],
         };
         problem.set_weights(|_| [R::from_f64(1.0); 2]);
@@ -137,7 +146,7 @@ impl<'a, R: Real> Problem<'a, R> {
     /// Sets the barrier for a surface whose curves have this energy.
     pub(super) fn set_barrier(&mut self, curve_value: f64) {
         let mean = curve_value / self.vertex_count().max(1) as f64;
-        self.barrier = (self.energy.barrier() * mean).min(BARRIER_CAP);
+        self.barrier = Barrier((self.energy.barrier() * mean).min(BARRIER_CAP));
     }
 
     /// [`Problem::slopes`], place by place.
@@ -218,7 +227,7 @@ impl<'a, R: Real> Problem<'a, R> {
 
     /// The barrier of all vertices.
     pub(super) fn barrier_value(&self, x: &[R]) -> Energy {
-        if self.barrier == 0.0 {
+        if self.barrier.0 == 0.0 {
             return Energy::default();
         }
         // One logarithm for several factors: their product stays far from the smallest number.
@@ -230,7 +239,7 @@ impl<'a, R: Real> Problem<'a, R> {
                 all *= factor;
                 own *= if is_fixed { 1.0 } else { factor };
             }
-            Energy { all: -self.barrier * all.ln(), own: -self.barrier * own.ln() }
+            Energy { all: -self.barrier.0 * all.ln(), own: -self.barrier.0 * own.ln() }
         };
         parallel::sum_blocks(x.len(), |range| {
             let chunks = x[range.clone()].chunks(FACTORS);
@@ -300,20 +309,9 @@ impl<'a, R: Real> Problem<'a, R> {
         marks
     }
 
-    /// Slope and curvature of the barrier at one position.
-    #[inline]
-    pub(super) fn barrier_slope(&self, x: R) -> Barrier {
-        let x = x.to_f64();
-        let (low, high) = (1.0 / x, 1.0 / (1.0 - x));
-        Barrier {
-            slope: self.barrier * (high - low),
-            curvature: self.barrier * (low * low + high * high),
-        }
-    }
-
     /// Whether the barrier keeps steps from reaching the bounds.
     pub(super) fn has_barrier(&self) -> bool {
-        self.barrier > 0.0
+        self.barrier.0 > 0.0
     }
 }
 

@@ -55,10 +55,10 @@ pub struct Settings {
     /// δ stays within `[margin, 1 − margin]`, so that no vertex touches a lattice point.
     /// Range [1e-6, 0.1]; default 0.002.
     pub margin: f64,
-    /// When to stop. `Newton` with [`Preset::Exact`]: when the root mean square of the projected step falls to it and the
-    /// last step lowered the energy by at most that part of it. `Sweeps`: when
-    /// ‖δᵏ − δᵏ⁺¹‖/‖δᵏ⁺¹‖ falls to it, the paper's rule. Range (0, 1); default 5e-4 for `Newton`,
-    /// 1e-6 for `Sweeps`.
+    /// When to stop. `Newton` with [`Preset::Exact`]: when the root mean square of the projected
+    /// step falls to it and the last step lowered the energy by at most that part of it; the other
+    /// presets do not look at it. `Sweeps`: when ‖δᵏ − δᵏ⁺¹‖/‖δᵏ⁺¹‖ falls to it, the paper's rule.
+    /// Range (0, 1); default 5e-4 for `Newton`, 1e-6 for `Sweeps`.
     pub tolerance: Option<f64>,
     /// Hard limit on Gauss–Newton steps or sweeps. Default 100 or 1000.
     pub max_iterations: Option<usize>,
