@@ -1,9 +1,7 @@
 //! From what was typed to settings that the library takes, or a message that says what is wrong.
 
-use std::sync::Arc;
-
 use serde::Serialize;
-use shrouds::energy::{self, Bending, Curvature, CurveEnergy, Linear};
+use shrouds::energy::{self, Bending, Curvature, Linear};
 use shrouds::mesh::{MeshKind, Triangles};
 use shrouds::volume::{self, FaceRule};
 use shrouds::{Select, Settings, optimize};
@@ -108,20 +106,20 @@ fn preset(args: &ShroudArgs) -> Result<Option<Preset>, Failure> {
 }
 
 /// The energy, and the parameter it uses, if it uses one.
-fn energy(args: &ShroudArgs) -> Result<(Arc<dyn CurveEnergy>, Option<Parameter>), Failure> {
+fn energy(args: &ShroudArgs) -> Result<(energy::Energy, Option<Parameter>), Failure> {
     Ok(match args.energy {
         Energy::Bending if args.parameter.is_some() => {
             let message = "--parameter has no meaning for --energy bending: leave it out, or choose --energy curvature or linear";
             return Err(Failure::Call(message.into()));
         }
-        Energy::Bending => (Arc::new(Bending), None),
+        Energy::Bending => (Bending.into(), None),
         Energy::Curvature => {
             let name = args.parameter.unwrap_or(Parameter::Chord);
-            (Arc::new(Curvature { parameter: parameter(name) }), Some(name))
+            (Curvature { parameter: parameter(name) }.into(), Some(name))
         }
         Energy::Linear => {
             let name = args.parameter.unwrap_or(Parameter::Uniform);
-            (Arc::new(Linear { parameter: parameter(name) }), Some(name))
+            (Linear { parameter: parameter(name) }.into(), Some(name))
         }
     })
 }
@@ -136,7 +134,7 @@ fn parameter(name: Parameter) -> energy::Parameter {
 
 fn optimize_settings(
     args: &ShroudArgs,
-    energy: Arc<dyn CurveEnergy>,
+    energy: energy::Energy,
     preset: Option<Preset>,
 ) -> optimize::Settings {
     optimize::Settings {

@@ -2,15 +2,18 @@
 
 use proptest::prelude::*;
 use shrouds::energy::{
-    Bending, Curvature, CurveEnergy, LANES, Lanes, Linear, Parameter, Point2, Stencil,
+    Bending, Curvature, CurveEnergy, LANES, Lanes, Linear, Parameter, Point2, Stencil, Support,
+    Variation,
 };
 
 const PARAMETERS: [Parameter; 3] = [Parameter::Uniform, Parameter::Chord, Parameter::Centripetal];
 
 /// Every energy with its name and the power of a length scale that ρ follows.
 fn energies() -> Vec<(String, Box<dyn CurveEnergy>, i32)> {
-    let mut all: Vec<(String, Box<dyn CurveEnergy>, i32)> =
-        vec![("bending".into(), Box::new(Bending), -1)];
+    let mut all: Vec<(String, Box<dyn CurveEnergy>, i32)> = vec![
+        ("bending".into(), Box::new(Bending), -1),
+        ("variation".into(), Box::new(Variation), -1),
+    ];
     for parameter in PARAMETERS {
         all.push((format!("curvature {parameter:?}"), Box::new(Curvature { parameter }), -2));
         all.push((format!("linear {parameter:?}"), Box::new(Linear { parameter }), 2));
@@ -18,11 +21,16 @@ fn energies() -> Vec<(String, Box<dyn CurveEnergy>, i32)> {
     all
 }
 
-/// Three vertices no two of which are closer than the margin of δ allows.
-fn three_points() -> impl Strategy<Value = [Point2; 3]> {
+/// Four vertices no two successive ones of which are closer than the margin of δ allows.
+fn four_points() -> impl Strategy<Value = [Point2; 4]> {
     let step = || (0.05..1.5f64, -3.1..3.1f64).prop_map(|(l, a)| [l * a.cos(), l * a.sin()]);
-    (-5.0..5.0f64, -5.0..5.0f64, step(), step())
-        .prop_map(|(x, y, a, b)| [[x, y], [x + a[0], y + a[1]], [x + a[0] + b[0], y + a[1] + b[1]]])
+    let shifted = |p: Point2, by: Point2| [p[0] + by[0], p[1] + by[1]];
+    (-5.0..5.0f64, -5.0..5.0f64, step(), step(), step()).prop_map(move |(x, y, a, b, c)| {
+        let first = [x, y];
+        let second = shifted(first, a);
+        let third = shifted(second, b);
+        [first, second, third, shifted(third, c)]
+    })
 }
 
 /// The direction along a coordinate.
@@ -37,13 +45,13 @@ fn close(a: f64, b: f64, tolerance: f64) -> bool {
 proptest! {
     #[test]
     fn derivatives_agree_with_finite_differences(
-        points in three_points(), moves in proptest::array::uniform3(0usize..2)
+        points in four_points(), moves in proptest::array::uniform4(0usize..2)
     ) {
         for (name, energy, _) in energies() {
             let term = energy.term(&Stencil { points, moves: moves.map(along) });
             let value = term.residual[0].powi(2) + term.residual[1].powi(2);
             prop_assert!(close(value, energy.rho(&points), 1e-12), "{name}");
-            for n in 0..3 {
+            for n in 0..4 {
                 let at = |step: f64| {
                     let mut moved = points;
                     moved[n][moves[n]] += step;
@@ -67,18 +75,21 @@ proptest! {
 
     #[test]
     fn turning_and_shifting_change_nothing_and_scaling_follows_a_power(
-        points in three_points(), angle in 0.0..6.3f64, scale in 0.2..5.0f64
+        points in four_points(), angle in 0.0..6.3f64, scale in 0.2..5.0f64
     ) {
         let (s, c) = angle.sin_cos();
         let moved = points.map(|[x, y]| [c * x - s * y + 3.0, s * x + c * y - 1.0]);
         let grown = points.map(|p| p.map(|x| x * scale));
         let mirrored = points.map(|[x, y]| [y, x]);
-        let reversed = [points[2], points[1], points[0]];
+        let reversed = |energy: &dyn CurveEnergy| match energy.support() {
+            Support::Neighbours => [points[2], points[1], points[0], points[3]],
+            Support::NextTwo => [points[3], points[2], points[1], points[0]],
+        };
         for (name, energy, power) in energies() {
             let rho = energy.rho(&points);
             prop_assert!(close(energy.rho(&moved), rho, 1e-9), "{name} turned");
             prop_assert!(close(energy.rho(&mirrored), rho, 1e-9), "{name} mirrored");
-            prop_assert!(close(energy.rho(&reversed), rho, 1e-9), "{name} reversed");
+            prop_assert!(close(energy.rho(&reversed(energy.as_ref())), rho, 1e-9), "{name} reversed");
             prop_assert!(close(energy.rho(&grown), rho * scale.powi(power), 1e-9), "{name} scaled");
         }
     }
@@ -87,7 +98,7 @@ proptest! {
     fn straight_lines_cost_nothing_however_their_vertices_are_spaced(
         angle in 0.0..6.3f64, first in 0.003..1.5f64, second in 0.003..1.5f64
     ) {
-        let on_line = [-first, 0.0, second].map(|l| [l * angle.cos(), l * angle.sin()]);
+        let on_line = [-first, 0.0, second, second + 0.7].map(|l| [l * angle.cos(), l * angle.sin()]);
         for (name, energy, _) in energies() {
             let straight = name != "linear Uniform" && name != "linear Centripetal";
             if straight {
@@ -106,7 +117,8 @@ fn samples_of_a_circle_give_its_curvature() {
         for step in [0.04, 0.02] {
             for ratio in [1.0, 1.7] {
                 let at = |a: f64| [radius * a.cos(), radius * a.sin()];
-                let points = [at(0.3), at(0.3 + step), at(0.3 + step * (1.0 + ratio))];
+                let angles = [0.0, 1.0, 1.0 + ratio, 2.0 + ratio];
+                let points = angles.map(|a| at(0.3 + step * a));
                 let size = step * ratio;
                 for parameter in PARAMETERS {
                     // Only chord length follows uneven steps to first order.
@@ -125,8 +137,7 @@ fn samples_of_a_circle_give_its_curvature() {
 
 #[test]
 fn linear_with_a_uniform_parameter_is_the_second_difference() {
-    let points = [[0.3, 1.0], [0.9, 2.0], [2.0, 2.2]];
-    let points: [Point2; 3] = points;
+    let points: [Point2; 4] = [[0.3, 1.0], [0.9, 2.0], [2.0, 2.2], [3.0, 0.1]];
     let second = [0, 1].map(|k: usize| points[0][k] - 2.0 * points[1][k] + points[2][k]);
     let expected = 16.0 * (second[0].powi(2) + second[1].powi(2));
     assert!(close(Linear::default().rho(&points), expected, 1e-14));
@@ -135,12 +146,12 @@ fn linear_with_a_uniform_parameter_is_the_second_difference() {
 proptest! {
     #[test]
     fn several_stencils_at_a_time_are_each_as_one_alone(
-        all in proptest::collection::vec(three_points(), LANES),
-        moves in proptest::array::uniform3(0usize..2)
+        all in proptest::collection::vec(four_points(), LANES),
+        moves in proptest::array::uniform4(0usize..2)
     ) {
         let moves = moves.map(along);
         let lanes = |n: usize, k: usize| -> Lanes<f64> { std::array::from_fn(|l| all[l][n][k]) };
-        let points = [0, 1, 2].map(|n| [0, 1].map(|k| lanes(n, k)));
+        let points = [0, 1, 2, 3].map(|n| [0, 1].map(|k| lanes(n, k)));
         let stencils = Stencil { points, moves: moves.map(|m| m.map(|x| [x; LANES])) };
         let single = Stencil {
             points: points.map(|p| p.map(|v| v.map(|x| x as f32))),
@@ -152,7 +163,7 @@ proptest! {
                 let term = energy.term(&Stencil { points: *points, moves });
                 for r in 0..2 {
                     prop_assert_eq!(double.residual[r][l], term.residual[r], "{}", name);
-                    for n in 0..3 {
+                    for n in 0..4 {
                         prop_assert_eq!(double.slope[r][n][l], term.slope[r][n], "{}", name);
                         // Curvature has no bound where a curve turns back.
                         if name.starts_with("curvature") {

@@ -13,8 +13,8 @@ pub struct Bending;
 
 impl CurveFormula for Bending {
     #[inline]
-    fn residual<S: Scalar>(&self, points: [Point2<S>; 3]) -> [S; 2] {
-        let (before, after) = (chord(points[0], points[1]), chord(points[1], points[2]));
+    fn residual<S: Scalar>(&self, [a, b, c, _]: [Point2<S>; 4]) -> [S; 2] {
+        let (before, after) = (chord(a, b), chord(b, c));
         let (l0, l1) = (length(before), length(after));
         let one = S::constant(1.0);
         let (u0, u1) = (scaled(before, one / l0), scaled(after, one / l1));
@@ -24,7 +24,7 @@ impl CurveFormula for Bending {
 
     #[inline(always)]
     fn differentiate<S: Scalar>(&self, stencil: Stencil<S>) -> Term<S> {
-        let [a, b, c] = stencil.points;
+        let [a, b, c, _] = stencil.points;
         let (before, after) = (chord(a, b), chord(b, c));
         let one = S::constant(1.0);
         let (l0, l1) = (length(before), length(after));
@@ -48,11 +48,11 @@ impl CurveFormula for Bending {
             let (turned, shrunk) = turn(u1, inverse1, m);
             [0, 1].map(|k| turned[k] - residual[k] * shrunk)
         };
-        let [m0, m1, m2] = stencil.moves;
+        let [m0, m1, m2, _] = stencil.moves;
         let (first, last) = (by_before(m0), by_after(m2));
         let (back, forth) = (by_before(m1), by_after(m1));
         let zero = S::constant(0.0);
-        let slope = [0, 1].map(|k| [first[k], zero - back[k] - forth[k], last[k]]);
+        let slope = [0, 1].map(|k| [first[k], zero - back[k] - forth[k], last[k], zero]);
         Term { residual, slope }
     }
 

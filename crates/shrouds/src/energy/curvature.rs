@@ -14,8 +14,8 @@ pub struct Curvature {
 
 impl CurveFormula for Curvature {
     #[inline]
-    fn residual<S: Scalar>(&self, points: [Point2<S>; 3]) -> [S; 2] {
-        let [first, second] = self.parameter.derivatives(points);
+    fn residual<S: Scalar>(&self, [a, b, c, _]: [Point2<S>; 4]) -> [S; 2] {
+        let [first, second] = self.parameter.derivatives([a, b, c]);
         let speed_squared = first[0] * first[0] + first[1] * first[1];
         [cross(first, second) / (speed_squared * speed_squared.sqrt()), S::constant(0.0)]
     }

@@ -21,8 +21,8 @@ impl Default for Linear {
 
 impl CurveFormula for Linear {
     #[inline]
-    fn residual<S: Scalar>(&self, points: [Point2<S>; 3]) -> [S; 2] {
-        let [_, second] = self.parameter.derivatives(points);
+    fn residual<S: Scalar>(&self, [a, b, c, _]: [Point2<S>; 4]) -> [S; 2] {
+        let [_, second] = self.parameter.derivatives([a, b, c]);
         second
     }
 }

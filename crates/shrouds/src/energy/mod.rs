@@ -1,8 +1,9 @@
 //! Stage 4 of 7, energy: local measures of smoothness of a planar polygon.
 //!
 //! The energy of a polygon is the sum of ρ over its vertices (equation 5), ρ at a vertex depending
-//! on that vertex and its two neighbours. Any such measure can be plugged in: implement
-//! [`CurveFormula`], and value and exact derivatives follow from the one formula.
+//! on that vertex, its two neighbours and, if a measure wants it, the vertex after the next. Any such
+//! measure can be plugged in: implement [`CurveFormula`], and value and exact derivatives follow from
+//! the one formula. An [`Energy`] is a weighted sum of measures.
 //!
 //! Uses: nothing.
 
@@ -11,12 +12,16 @@ mod curvature;
 mod linear;
 mod parameter;
 mod scalar;
+mod sum;
+mod variation;
 
 pub use bending::Bending;
 pub use curvature::Curvature;
 pub use linear::Linear;
 pub use parameter::Parameter;
 pub use scalar::{Scalar, Slope};
+pub use sum::{Energy, Part};
+pub use variation::Variation;
 
 use wide::{f32x8, f64x8};
 
@@ -29,14 +34,23 @@ pub type Lanes<R> = [R; LANES];
 /// How many numbers make [`Lanes`].
 pub const LANES: usize = 8;
 
-/// Three successive vertices of a planar polygon, each free to move along a line: one stencil, or
+/// Four successive vertices of a planar polygon, each free to move along a line: one stencil, or
 /// with `T =` [`Lanes`] eight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stencil<T = f64> {
-    /// The previous vertex, the vertex that ρ belongs to, and the next one.
-    pub points: [Point2<T>; 3],
+    /// The previous vertex, the vertex that ρ belongs to, the next one, and the one after that.
+    pub points: [Point2<T>; 4],
     /// How each of them moves as its unknown grows.
-    pub moves: [Point2<T>; 3],
+    pub moves: [Point2<T>; 4],
+}
+
+/// Which vertices besides its own a measure looks at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Support {
+    /// The previous and the next one.
+    Neighbours,
+    /// The previous one and the next two.
+    NextTwo,
 }
 
 /// ρ at a vertex as a sum of squares, and how it changes.
@@ -44,16 +58,21 @@ pub struct Stencil<T = f64> {
 pub struct Term<T = f64> {
     /// `ρ = residual[0]² + residual[1]²`.
     pub residual: [T; 2],
-    /// Derivative of each residual with respect to the unknowns of the three vertices.
-    pub slope: [[T; 3]; 2],
+    /// Derivative of each residual with respect to the unknowns of the four vertices.
+    pub slope: [[T; 4]; 2],
 }
 
 /// A measure ρ of how far a polygon is from smooth at one of its vertices, written as a formula.
 ///
 /// Lengths are in units of the smallest spacing of the volume.
 pub trait CurveFormula: Send + Sync {
-    /// Two numbers the sum of whose squares is ρ at the middle one of three successive vertices.
-    fn residual<S: Scalar>(&self, points: [Point2<S>; 3]) -> [S; 2];
+    /// Two numbers the sum of whose squares is ρ at the second of four successive vertices.
+    fn residual<S: Scalar>(&self, points: [Point2<S>; 4]) -> [S; 2];
+
+    /// Which of the four vertices ρ depends on.
+    fn support(&self) -> Support {
+        Support::Neighbours
+    }
 
     /// ρ as a sum of squares and its derivatives, each vertex moving along its `moves`.
     ///
@@ -62,11 +81,11 @@ pub trait CurveFormula: Send + Sync {
     #[inline(always)]
     fn differentiate<S: Scalar>(&self, stencil: Stencil<S>) -> Term<S> {
         let unknown = |n: usize, k: usize| {
-            let mut slope = [S::constant(0.0); 3];
+            let mut slope = [S::constant(0.0); 4];
             slope[n] = stencil.moves[n][k];
             Slope { value: stencil.points[n][k], slope }
         };
-        let residual = self.residual([0, 1, 2].map(|n| [0, 1].map(|k| unknown(n, k))));
+        let residual = self.residual([0, 1, 2, 3].map(|n| [0, 1].map(|k| unknown(n, k))));
         Term { residual: residual.map(|r| r.value), slope: residual.map(|r| r.slope) }
     }
 
@@ -91,8 +110,10 @@ pub trait CurveFormula: Send + Sync {
 pub trait CurveEnergy: Send + Sync {
     /// ρ and its derivatives.
     fn term(&self, stencil: &Stencil) -> Term;
-    /// ρ at the middle one of three successive vertices.
-    fn rho(&self, points: &[Point2; 3]) -> f64;
+    /// ρ at the second of four successive vertices.
+    fn rho(&self, points: &[Point2; 4]) -> f64;
+    /// See [`CurveFormula::support`].
+    fn support(&self) -> Support;
     /// [`CurveEnergy::term`] of several stencils in single precision.
     fn terms_single(&self, stencils: &Stencil<Lanes<f32>>) -> Term<Lanes<f32>>;
     /// [`CurveEnergy::term`] of several stencils in double precision.
@@ -108,9 +129,13 @@ impl<F: CurveFormula> CurveEnergy for F {
         self.differentiate(*stencil)
     }
 
-    fn rho(&self, points: &[Point2; 3]) -> f64 {
+    fn rho(&self, points: &[Point2; 4]) -> f64 {
         let [a, b] = self.residual(*points);
         a * a + b * b
+    }
+
+    fn support(&self) -> Support {
+        CurveFormula::support(self)
     }
 
     fn terms_single(&self, stencils: &Stencil<Lanes<f32>>) -> Term<Lanes<f32>> {
@@ -131,20 +156,31 @@ impl<F: CurveFormula> CurveEnergy for F {
 }
 
 impl<T: Copy> Stencil<T> {
+    /// A stencil of what `f` makes of the numbers of two.
+    #[inline(always)]
+    pub(crate) fn zip<U>(&self, other: &Self, f: impl Fn(T, T) -> U) -> Stencil<U> {
+        let two = |a: Point2<T>, b: Point2<T>| [0, 1].map(|k| f(a[k], b[k]));
+        let four = |a: &[Point2<T>; 4], b: &[Point2<T>; 4]| [0, 1, 2, 3].map(|n| two(a[n], b[n]));
+        Stencil {
+            points: four(&self.points, &other.points),
+            moves: four(&self.moves, &other.moves),
+        }
+    }
+
     #[inline(always)]
     fn map<U>(&self, f: impl Fn(T) -> U) -> Stencil<U> {
         let two = |[u, v]: Point2<T>| [f(u), f(v)];
-        let three = |[a, b, c]: [Point2<T>; 3]| [two(a), two(b), two(c)];
-        Stencil { points: three(self.points), moves: three(self.moves) }
+        let four = |[a, b, c, d]: [Point2<T>; 4]| [two(a), two(b), two(c), two(d)];
+        Stencil { points: four(self.points), moves: four(self.moves) }
     }
 }
 
 impl<T: Copy> Term<T> {
     #[inline(always)]
     fn map<U>(&self, f: impl Fn(T) -> U) -> Term<U> {
-        let three = |[a, b, c]: [T; 3]| [f(a), f(b), f(c)];
+        let four = |[a, b, c, d]: [T; 4]| [f(a), f(b), f(c), f(d)];
         let ([p, q], [a, b]) = (self.residual, self.slope);
-        Term { residual: [f(p), f(q)], slope: [three(a), three(b)] }
+        Term { residual: [f(p), f(q)], slope: [four(a), four(b)] }
     }
 }
 
@@ -167,4 +203,9 @@ fn scaled<S: Scalar>(v: Point2<S>, factor: S) -> Point2<S> {
 #[inline(always)]
 fn cross<S: Scalar>(a: Point2<S>, b: Point2<S>) -> S {
     a[0] * b[1] - a[1] * b[0]
+}
+
+#[inline(always)]
+fn dot<S: Scalar>(a: Point2<S>, b: Point2<S>) -> S {
+    a[0] * b[0] + a[1] * b[1]
 }

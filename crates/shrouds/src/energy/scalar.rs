@@ -15,6 +15,8 @@ pub trait Scalar:
     fn constant(value: f64) -> Self;
     /// The square root.
     fn sqrt(self) -> Self;
+    /// The angle of the vector (x, self), in (−π, π].
+    fn atan2(self, x: Self) -> Self;
 }
 
 impl Scalar for f64 {
@@ -25,6 +27,11 @@ impl Scalar for f64 {
     #[inline(always)]
     fn sqrt(self) -> Self {
         f64::sqrt(self)
+    }
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        // As in the lanes below, and not as the platform rounds it.
+        f64x8::splat(self).atan2(f64x8::splat(x)).to_array()[0]
     }
 }
 
@@ -38,6 +45,10 @@ impl Scalar for f64x8 {
     fn sqrt(self) -> Self {
         f64x8::sqrt(self)
     }
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        f64x8::atan2(self, x)
+    }
 }
 
 impl Scalar for f32x8 {
@@ -49,15 +60,19 @@ impl Scalar for f32x8 {
     fn sqrt(self) -> Self {
         f32x8::sqrt(self)
     }
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        f32x8::atan2(self, x)
+    }
 }
 
-/// A value with its derivatives with respect to three unknowns.
+/// A value with its derivatives with respect to four unknowns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slope<S = f64> {
     /// The value.
     pub value: S,
-    /// The three derivatives.
-    pub slope: [S; 3],
+    /// The four derivatives.
+    pub slope: [S; 4],
 }
 
 impl<S: Scalar> Slope<S> {
@@ -75,12 +90,18 @@ impl<S: Scalar> Slope<S> {
 impl<S: Scalar> Scalar for Slope<S> {
     #[inline(always)]
     fn constant(value: f64) -> Self {
-        Self { value: S::constant(value), slope: [S::constant(0.0); 3] }
+        Self { value: S::constant(value), slope: [S::constant(0.0); 4] }
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
         let root = self.value.sqrt();
         self.chain(root, S::constant(0.5) / root)
+    }
+    #[inline(always)]
+    fn atan2(self, other: Self) -> Self {
+        let (y, x) = (self.value, other.value);
+        let inverse = S::constant(1.0) / (x * x + y * y);
+        self.combine(other, y.atan2(x), |a, b| (x * a - y * b) * inverse)
     }
 }
 

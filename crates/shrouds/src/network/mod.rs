@@ -22,7 +22,7 @@ use std::ops::Range;
 use step::Side;
 
 /// How many places before and after every curve repeat its other end.
-pub(crate) const REPEATED: usize = 2;
+pub(crate) const REPEATED: usize = 3;
 
 /// How a neighbour's grid edge lies to one's own, within their common lattice plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -61,7 +61,7 @@ pub fn optimize(
     settings.validate()?;
     let grid = surface.grid();
     let conditions = Conditions {
-        energy: settings.energy.as_ref(),
+        energy: &settings.energy,
         spacing: grid.spacing().map(|h| h / grid.min_spacing()),
         bounds: [settings.margin, 1.0 - settings.margin],
     };
@@ -98,7 +98,7 @@ fn converged(
     observer: &mut Observer,
 ) -> Optimum {
     let network = Network::trace(surface);
-    let mut problem = Problem::new(&network, conditions);
+    let mut problem = Problem::new(&network, conditions, <[f32]>::to_vec);
     // In double precision the bounds are nearer to their value.
     let [low, high] = conditions.bounds;
     let mut x: Vec<f64> = x.into_iter().map(|x| f64::from(x).clamp(low, high)).collect();

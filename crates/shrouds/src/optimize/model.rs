@@ -1,23 +1,28 @@
 //! The energy around a state to second order: a gradient and a matrix along the curves.
 
-use crate::energy::LANES;
+use std::ops::Range;
+
+use crate::energy::{LANES, Support};
 use crate::network::{Network, REPEATED};
-use crate::optimize::problem::{Energy, Problem};
+use crate::optimize::problem::{Problem, Value, WeightedPart};
 use crate::optimize::real::Real;
 use crate::optimize::strip::{STRIP, Strip};
 use crate::parallel::{self, NONE};
 
 /// Gradient and Gauss–Newton matrix of the energy.
 ///
-/// The matrix couples a place to those one and two steps away on its curve, and the two places of a
+/// The matrix couples a place to those one, two and three steps away on its curve, and the two places of a
 /// vertex act as one. In single precision: the matrix only shapes the steps, and where they end is
 /// decided by the gradient.
 pub(super) struct Model<R> {
     gradient: Vec<R>,
     diagonal: Vec<f32>,
-    /// Coupling of every place to the next one, and to the one after that.
+    /// Coupling of every place to the next one, to the one after that, and to the third. The last is
+    /// 0 unless a measure looks so far.
     near: Vec<f32>,
     far: Vec<f32>,
+    third: Vec<f32>,
+    support: Support,
 }
 
 impl<R: Real> Model<R> {
@@ -28,11 +33,13 @@ impl<R: Real> Model<R> {
             diagonal: vec![0.0; vertices],
             near: vec![0.0; places],
             far: vec![0.0; places],
+            third: vec![0.0; places],
+            support: Support::Neighbours,
         }
     }
 
     /// Sets gradient and matrix to those at `x`; returns the energy there.
-    pub(super) fn linearise(&mut self, problem: &Problem<R>, x: &[R]) -> Energy {
+    pub(super) fn linearise(&mut self, problem: &Problem<R>, x: &[R]) -> Value {
         let parts = self.linearise_curves(problem, x);
         self.gather(problem, x, &parts);
         parts.energy + problem.barrier_value(x)
@@ -43,7 +50,7 @@ impl<R: Real> Model<R> {
         &mut self,
         problem: &mut Problem<R>,
         x: &[R],
-    ) -> Energy {
+    ) -> Value {
         let parts = self.linearise_curves(problem, x);
         problem.set_barrier(parts.energy.all);
         self.gather(problem, x, &parts);
@@ -53,21 +60,25 @@ impl<R: Real> Model<R> {
     fn linearise_curves(&mut self, problem: &Problem<R>, x: &[R]) -> Parts<R> {
         let places = self.near.len();
         let (mut slopes, mut squares) = (vec![R::default(); places], vec![0.0f32; places]);
-        let arrays = [&mut squares[..], &mut self.near, &mut self.far];
+        self.support = problem.support();
+        let arrays = [&mut squares[..], &mut self.near, &mut self.far, &mut self.third];
         let energy = parallel::update_blocks(&mut slopes, arrays, |first, slopes, matrix| {
-            let [squares, near, far] = matrix;
+            let [squares, near, far, third] = matrix;
             let range = first..first + slopes.len();
             let mut rho = vec![R::default(); range.len()];
             let mut terms = Terms::new();
-            problem.strips(x, range.clone(), true, |strip, places| {
-                terms.fill(problem, strip, places.len());
+            problem.strips(x, range.clone(), |strip, places| {
+                terms.fill(problem, strip, places.clone());
                 let out = places.start - first..places.end - first;
                 let count = out.len();
                 terms.slopes(&mut slopes[out.clone()]);
                 terms.squares(&mut squares[out.clone()]);
                 terms.near(&mut near[out.clone()]);
                 terms.far(&mut far[out.clone()]);
-                rho[out].copy_from_slice(&terms.rho[1..=count]);
+                if problem.support() == Support::NextTwo {
+                    terms.third(&mut third[out.clone()]);
+                }
+                rho[out].copy_from_slice(&terms.rho[BEFORE..][..count]);
             });
             problem.sum_over_curves(range, &rho)
         });
@@ -127,9 +138,16 @@ impl<R: Real> Model<R> {
                 let (near, before) =
                     (&self.near[start..][..count], &self.near[start - 1..][..count]);
                 let (far, behind) = (&self.far[start..][..count], &self.far[start - 2..][..count]);
-                let [a, b, c, d] = [0, 1, 3, 4].map(|shift| &gathered[shift..][..count]);
+                let [a, b, c, d] = [1, 2, 4, 5].map(|shift| &gathered[shift..][..count]);
                 for n in 0..count {
                     out[n] = behind[n] * a[n] + before[n] * b[n] + near[n] * c[n] + far[n] * d[n];
+                }
+                if self.support == Support::NextTwo {
+                    let [a, b] = [0, 6].map(|shift| &gathered[shift..][..count]);
+                    let [low, high] = [3, 0].map(|shift| &self.third[start - shift..][..count]);
+                    for n in 0..count {
+                        out[n] += low[n] * a[n] + high[n] * b[n];
+                    }
                 }
             }
             0.0
@@ -139,48 +157,72 @@ impl<R: Real> Model<R> {
 
 /// Energy of the curves, and what every place adds to the gradient and the diagonal at its vertex.
 struct Parts<R> {
-    energy: Energy,
+    energy: Value,
     slopes: Vec<R>,
     squares: Vec<f32>,
 }
 
-/// ρ, its gradient and its Gauss–Newton matrix with respect to the three positions it depends on, at
-/// the places of a strip and at one more to either side. Index 0 is the one before.
+/// ρ, its gradient and its Gauss–Newton matrix with respect to the four positions it depends on, at
+/// the places of a strip, at two before and at one after. Index 0 is the first of those before.
 struct Terms<R> {
     /// The value.
     rho: [R; LENGTH],
-    gradient: [[R; LENGTH]; 3],
-    /// The entries (0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2).
-    matrix: [[R; LENGTH]; 6],
+    gradient: [[R; LENGTH]; 4],
+    /// The entries (0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2), (0, 3), (1, 3), (2, 3), (3, 3).
+    matrix: [[R; LENGTH]; 10],
 }
 
-/// One place before and one after the strip take part, and the last lanes may reach beyond.
+/// Places before and after those of a strip that take part; the last lanes may reach beyond.
+const BEFORE: usize = 2;
+const AFTER: usize = 1;
 const LENGTH: usize = STRIP + LANES;
 
 impl<R: Real> Terms<R> {
     fn new() -> Self {
         let zeros = [R::default(); LENGTH];
-        Self { rho: zeros, gradient: [zeros; 3], matrix: [zeros; 6] }
+        Self { rho: zeros, gradient: [zeros; 4], matrix: [zeros; 10] }
     }
 
-    /// Evaluates the terms at the `count` places of a strip and at those beside it.
-    fn fill(&mut self, problem: &Problem<R>, strip: &Strip<R>, count: usize) {
+    /// Evaluates the terms at the own places of a strip and at those beside them.
+    fn fill(&mut self, problem: &Problem<R>, strip: &mut Strip<R>, places: Range<usize>) {
+        for (n, part) in problem.parts.iter().enumerate() {
+            part.load_weights(strip, places.clone());
+            let count = places.len() + BEFORE + AFTER;
+            match (n, part.measure.support()) {
+                (0, Support::Neighbours) if problem.support() == Support::Neighbours => {
+                    self.fill_part::<3, true>(part, strip, count);
+                }
+                (0, _) => self.fill_part::<4, true>(part, strip, count),
+                (_, Support::Neighbours) => self.fill_part::<3, false>(part, strip, count),
+                (_, Support::NextTwo) => self.fill_part::<4, false>(part, strip, count),
+            }
+        }
+    }
+
+    /// The terms of one measure that looks at so many points, set or added to the others'.
+    #[inline(always)]
+    fn fill_part<const POINTS: usize, const SET: bool>(
+        &mut self,
+        part: &WeightedPart<R>,
+        strip: &Strip<R>,
+        count: usize,
+    ) {
         let two = R::from_f64(2.0);
-        for n in (0..count + 2).step_by(LANES) {
-            let term = R::terms(problem.energy, &strip.stencils(n + REPEATED - 1));
-            let weight = strip.weights(n + REPEATED - 1);
+        for n in (0..count).step_by(LANES) {
+            let term = R::terms(part.measure, &strip.stencils(n + REPEATED - BEFORE));
+            let weight = strip.weights(n + REPEATED - BEFORE);
             let ([p, q], [a, b]) = (term.residual, term.slope);
-            put(&mut self.rho, n, |l| weight[l] * (p[l] * p[l] + q[l] * q[l]));
-            for i in 0..3 {
+            put::<R, SET>(&mut self.rho, n, |l| weight[l] * (p[l] * p[l] + q[l] * q[l]));
+            for i in 0..POINTS {
                 let (mut c, mut d) = (a[i], b[i]);
                 for l in 0..LANES {
                     c[l] = two * weight[l] * c[l];
                     d[l] = two * weight[l] * d[l];
                 }
-                put(&mut self.gradient[i], n, |l| p[l] * c[l] + q[l] * d[l]);
-                for j in i..3 {
-                    let row = &mut self.matrix[ENTRY[i][j]];
-                    put(row, n, |l| a[j][l] * c[l] + b[j][l] * d[l]);
+                put::<R, SET>(&mut self.gradient[i], n, |l| p[l] * c[l] + q[l] * d[l]);
+                for j in i..POINTS {
+                    let row = &mut self.matrix[entry(i, j)];
+                    put::<R, SET>(row, n, |l| a[j][l] * c[l] + b[j][l] * d[l]);
                 }
             }
         }
@@ -188,40 +230,51 @@ impl<R: Real> Terms<R> {
 
     /// The gradient in the position of every place.
     fn slopes(&self, out: &mut [R]) {
-        let [next, own, previous] = &self.gradient;
-        sum(out, [own, previous, next], |x| x);
+        let [a, b, c, d] = &self.gradient;
+        sum(out, [a, b, c, d], |x| x);
     }
 
     /// The diagonal of the matrix.
     fn squares(&self, out: &mut [f32]) {
-        let [next, _, _, own, _, previous] = &self.matrix;
-        sum(out, [own, previous, next], single);
+        sum(out, [0, 1, 2, 3].map(|i| &self.matrix[entry(i, i)]), single);
     }
 
     /// The coupling of every place to the next one.
     fn near(&self, out: &mut [f32]) {
-        let [_, next, _, _, own, _] = &self.matrix;
-        for ((out, &a), &b) in out.iter_mut().zip(&own[1..]).zip(&next[2..]) {
-            *out = single(a + b);
+        let [a, b, c] = [0, 1, 2].map(|i| &self.matrix[entry(i, i + 1)]);
+        let terms = a[3..].iter().zip(&b[2..]).zip(&c[1..]);
+        for (out, ((&a, &b), &c)) in out.iter_mut().zip(terms) {
+            *out = single(a + b + c);
         }
     }
 
     /// The coupling of every place to the one after the next.
     fn far(&self, out: &mut [f32]) {
-        for (out, &a) in out.iter_mut().zip(&self.matrix[2][2..]) {
+        let [a, b] = [0, 1].map(|i| &self.matrix[entry(i, i + 2)]);
+        for (out, (&a, &b)) in out.iter_mut().zip(a[3..].iter().zip(&b[2..])) {
+            *out = single(a + b);
+        }
+    }
+
+    /// The coupling of every place to the third one after it.
+    fn third(&self, out: &mut [f32]) {
+        for (out, &a) in out.iter_mut().zip(&self.matrix[entry(0, 3)][3..]) {
             *out = single(a);
         }
     }
 }
 
-/// Where the entry of a symmetric matrix of three rows is kept.
-const ENTRY: [[usize; 3]; 3] = [[0, 1, 2], [1, 3, 4], [2, 4, 5]];
+/// Where the entry of a symmetric matrix in row `i` and column `j ≥ i` is kept.
+const fn entry(i: usize, j: usize) -> usize {
+    j * (j + 1) / 2 + i
+}
 
-/// At every place its own number, that of the place before and that of the next one.
-fn sum<R: Real, T>(out: &mut [T], [own, previous, next]: [&[R; LENGTH]; 3], f: impl Fn(R) -> T) {
-    let terms = own[1..].iter().zip(previous).zip(&next[2..]);
-    for (out, ((&own, &previous), &next)) in out.iter_mut().zip(terms) {
-        *out = f(own + previous + next);
+/// At every place what depends on it as the previous vertex (of the next place), as its own, as the
+/// next and as the one after that.
+fn sum<R: Real, T>(out: &mut [T], [a, b, c, d]: [&[R; LENGTH]; 4], f: impl Fn(R) -> T) {
+    let terms = a[3..].iter().zip(&b[2..]).zip(&c[1..]).zip(d);
+    for (out, (((&a, &b), &c), &d)) in out.iter_mut().zip(terms) {
+        *out = f(a + b + c + d);
     }
 }
 
@@ -230,10 +283,10 @@ fn single<R: Real>(x: R) -> f32 {
     x.to_f64() as f32
 }
 
-/// Sets some numbers from index `n` on.
+/// Sets some numbers from index `n` on, or adds to them.
 #[inline(always)]
-fn put<R: Real>(row: &mut [R; LENGTH], n: usize, f: impl Fn(usize) -> R) {
+fn put<R: Real, const SET: bool>(row: &mut [R; LENGTH], n: usize, f: impl Fn(usize) -> R) {
     for (l, value) in row[n..n + LANES].iter_mut().enumerate() {
-        *value = f(l);
+        *value = if SET { f(l) } else { *value + f(l) };
     }
 }

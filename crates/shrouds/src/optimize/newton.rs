@@ -3,7 +3,7 @@
 use crate::network::Network;
 use crate::optimize::conjugate::{Effort, Room, Workspace};
 use crate::optimize::model::Model;
-use crate::optimize::problem::{Energy, Problem};
+use crate::optimize::problem::{Problem, Value};
 use crate::optimize::real::Real;
 use crate::optimize::univariate;
 use crate::parallel;
@@ -38,9 +38,9 @@ impl<R: Real> Newton<R> {
         &mut self,
         problem: &Problem<R>,
         x: &mut Vec<R>,
-        energy: Energy,
+        energy: Value,
         effort: &Effort,
-    ) -> Option<Energy> {
+    ) -> Option<Value> {
         self.workspace.solve(&self.model, problem.network, &room(problem, x), effort);
         let workspace = &self.workspace;
         let [low, high] = problem.bounds.map(R::to_f64);

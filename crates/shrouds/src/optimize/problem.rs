@@ -3,7 +3,7 @@
 use std::iter::Sum;
 use std::ops::{Add, Range};
 
-use crate::energy::{CurveEnergy, LANES, Lanes};
+use crate::energy::{CurveEnergy, Energy, LANES, Lanes, Support};
 use crate::network::{Network, REPEATED};
 use crate::optimize::real::Real;
 use crate::optimize::strip::{Lengths, STRIP, Strip};
@@ -16,8 +16,9 @@ const LEAST_WEIGHT: f64 = 1e-4;
 const STEEPEST: f64 = 1e6;
 
 /// What a problem is made of besides the curves.
+#[derive(Clone, Copy)]
 pub(super) struct Conditions<'a> {
-    pub(super) energy: &'a dyn CurveEnergy,
+    pub(super) energy: &'a Energy,
     /// Of the lattice, in units of the smallest one.
     pub(super) spacing: [f64; 3],
     /// Between what the positions must stay.
@@ -28,32 +29,39 @@ pub(super) struct Conditions<'a> {
 /// solving and refreshed by [`Problem::freeze`]. Lengths are in units of the smallest spacing.
 pub(super) struct Problem<'a, R> {
     pub(super) network: &'a Network,
-    pub(super) energy: &'a dyn CurveEnergy,
+    energy: &'a Energy,
+    pub(super) parts: Vec<WeightedPart<'a, R>>,
     lengths: Lengths<R>,
     pub(super) bounds: [R; 2],
-    /// Weight of ρ at each vertex on both of its curves, but for the distance of the slices; 0 where
-    /// a neighbour is missing.
-    weights: Vec<[R; 2]>,
     pub(super) barrier: Barrier,
     /// Whether a vertex must stay where it is.
     pub(super) is_fixed: Vec<bool>,
 }
 
-/// The energy of a problem, and the part of it that stands at vertices that are not fixed.
+/// A measure with the weight of its ρ at every place, 0 where a vertex that it needs is missing.
+pub(super) struct WeightedPart<'a, R> {
+    pub(super) measure: &'a dyn CurveEnergy,
+    weight: f64,
+    /// By vertex; none stands for 1.
+    factors: Option<Vec<f32>>,
+    weights: Vec<R>,
+}
+
+/// The value of the energy, and the part of it that stands at vertices that are not fixed.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Energy {
+pub(super) struct Value {
     pub(super) all: f64,
     pub(super) own: f64,
 }
 
-impl Add for Energy {
+impl Add for Value {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         Self { all: self.all + other.all, own: self.own + other.own }
     }
 }
 
-impl Sum for Energy {
+impl Sum for Value {
     fn sum<I: Iterator<Item = Self>>(terms: I) -> Self {
         terms.fold(Self::default(), |sum, term| sum + term)
     }
@@ -78,17 +86,28 @@ impl Barrier {
 
 impl<'a, R: Real> Problem<'a, R> {
     /// The problem with weights as if every slice cut the surface at a right angle, and no barrier.
-    pub(super) fn new(network: &'a Network, conditions: &Conditions<'a>) -> Self {
+    /// `local` takes what is known of the vertices of the surface to those of the network.
+    pub(super) fn new(
+        network: &'a Network,
+        conditions: &Conditions<'a>,
+        local: impl Fn(&[f32]) -> Vec<f32>,
+    ) -> Self {
+        let parts = conditions.energy.parts().iter().map(|part| WeightedPart {
+            measure: part.measure.as_ref(),
+            weight: part.weight,
+            factors: part.factors.as_deref().map(&local),
+            weights: vec![R::default(); network.vertices().len()],
+        });
         let mut problem = Self {
             network,
             energy: conditions.energy,
+            parts: parts.collect(),
             lengths: Lengths::new(conditions.spacing),
             bounds: conditions.bounds.map(R::from_f64),
-            weights: vec![[R::default(); 2]; network.vertex_count()],
             barrier: Barrier(0.0),
             is_fixed: vec![false; network.vertex_count()],
         };
-        problem.set_weights(|_| [R::from_f64(1.0); 2]);
+        problem.set_weights(|_| R::from_f64(1.0));
         problem
     }
 
@@ -96,9 +115,14 @@ impl<'a, R: Real> Problem<'a, R> {
         self.network.vertex_count()
     }
 
+    /// The largest support of the measures.
+    pub(super) fn support(&self) -> Support {
+        self.energy.support()
+    }
+
     /// Whether weights or barrier depend on the surface.
     pub(super) fn needs_freezing(&self) -> bool {
-        self.energy.meusnier_exponent() != 0.0 || self.energy.barrier() != 0.0
+        self.energy.has_meusnier_weights() || self.energy.barrier() != 0.0
     }
 
     /// Sets the Meusnier weights, and the barrier from the energy they give, for the surface at `x`.
@@ -111,21 +135,21 @@ impl<'a, R: Real> Problem<'a, R> {
 
     /// Sets the Meusnier weights for the surface at `x`.
     pub(super) fn freeze_weights(&mut self, x: &[R]) {
-        let exponent = self.energy.meusnier_exponent();
-        if exponent == 0.0 {
+        if !self.energy.has_meusnier_weights() {
             return;
         }
         // With slopes s of the two curves the normal is (−1, s₁, s₀) along the grid edge and along the
         // normals of curves 0 and 1.
         let (network, slopes) = (self.network, self.place_slopes(x));
-        self.set_weights(|v| {
-            let [a, b] = [slopes[network.place(v, 0)], slopes[network.place(v, 1)]];
-            let (a, b, one) = (a * a, b * b, R::from_f64(1.0));
-            let inverse = one / (one + a + b);
+        self.set_weights(|place| {
+            let places = network.places()[network.vertices()[place] as usize];
+            let curve = network.steps()[place].curve();
+            let [own, other] = [curve, 1 - curve].map(|c| slopes[places[c] as usize]);
+            let one = R::from_f64(1.0);
+            let (own, other) = (own * own, other * other);
             let least = R::from_f64(LEAST_WEIGHT);
-            let weight =
-                |share: R| power_of_root(if share > least { share } else { least }, exponent);
-            [weight((one + a) * inverse), weight((one + b) * inverse)]
+            let share = (one + own) / (one + own + other);
+            if share > least { share } else { least }
         });
     }
 
@@ -153,7 +177,7 @@ impl<'a, R: Real> Problem<'a, R> {
     fn place_slopes(&self, x: &[R]) -> Vec<R> {
         let mut slopes = vec![R::default(); self.network.vertices().len()];
         parallel::update_blocks(&mut slopes, NONE, |first, slopes, []| {
-            self.strips(x, first..first + slopes.len(), false, |strip, places| {
+            self.strips(x, first..first + slopes.len(), |strip, places| {
                 for n in (0..places.len()).step_by(LANES) {
                     let values = slopes_along(strip, n + REPEATED);
                     let out = places.start - first + n;
@@ -166,20 +190,30 @@ impl<'a, R: Real> Problem<'a, R> {
         slopes
     }
 
-    /// Weighs each place by a factor of its vertex, and by nothing where its curve ends.
-    fn set_weights(&mut self, factors: impl Fn(u32) -> [R; 2] + Sync) {
-        let network = self.network;
-        let is_within = |place: usize| {
-            network.steps()[place - 1].is_linked() && network.steps()[place].is_linked()
-        };
-        parallel::fill(&mut self.weights, |v| {
-            let v = v as u32;
-            let [a, b] = factors(v);
-            [
-                if is_within(network.place(v, 0)) { a } else { R::default() },
-                if is_within(network.place(v, 1)) { b } else { R::default() },
-            ]
-        });
+    /// Weighs each place by a power of its share `1 − n_p²`, and by nothing where its curve ends.
+    fn set_weights(&mut self, share: impl Fn(usize) -> R + Sync) {
+        let (network, lengths) = (self.network, self.lengths);
+        let is_linked = |place: usize| network.steps()[place].is_linked();
+        for part in &mut self.parts {
+            let (exponent, support) = (part.measure.meusnier_exponent(), part.measure.support());
+            let (weight, factors) = (part.weight, part.factors.as_deref());
+            parallel::fill(&mut part.weights, |place| {
+                // Where a place repeats another one, that decides.
+                let (v, step) = (network.vertices()[place], network.steps()[place]);
+                let place = network.place(v, step.curve());
+                let is_whole = is_linked(place - 1) && is_linked(place);
+                if !is_whole || (support == Support::NextTwo && !is_linked(place + 1)) {
+                    return R::default();
+                }
+                let share = match support {
+                    Support::Neighbours => share(place),
+                    Support::NextTwo => R::from_f64(0.5) * (share(place) + share(place + 1)),
+                };
+                let factor = weight * factors.map_or(1.0, |factors| f64::from(factors[v as usize]));
+                let distance = lengths.between_planes(step.normal());
+                power_of_root(share, exponent) * distance * R::from_f64(factor)
+            });
+        }
     }
 
     /// The energy at `x`, barrier included.
@@ -188,21 +222,22 @@ impl<'a, R: Real> Problem<'a, R> {
     }
 
     /// The energy of the curves at `x`.
-    fn curve_value(&self, x: &[R]) -> Energy {
+    fn curve_value(&self, x: &[R]) -> Value {
         parallel::sum_blocks(self.network.vertices().len(), |range| {
             let mut rho = vec![R::default(); range.len()];
-            self.strips(x, range.clone(), true, |strip, places| {
-                for n in (0..places.len()).step_by(LANES) {
-                    let term = R::terms(self.energy, &strip.stencils(n + REPEATED));
-                    let weights = strip.weights(n + REPEATED);
-                    let [a, b] = term.residual;
-                    let mut values = weights;
-                    for l in 0..LANES {
-                        values[l] = weights[l] * (a[l] * a[l] + b[l] * b[l]);
+            self.strips(x, range.clone(), |strip, places| {
+                for part in &self.parts {
+                    part.load_weights(strip, places.clone());
+                    for n in (0..places.len()).step_by(LANES) {
+                        let term = R::terms(part.measure, &strip.stencils(n + REPEATED));
+                        let weights = strip.weights(n + REPEATED);
+                        let [a, b] = term.residual;
+                        let out = &mut rho[places.start - range.start + n..];
+                        for (l, out) in out.iter_mut().enumerate().take(LANES.min(places.len() - n))
+                        {
+                            *out = *out + weights[l] * (a[l] * a[l] + b[l] * b[l]);
+                        }
                     }
-                    let out = places.start - range.start + n;
-                    let count = LANES.min(places.len() - n);
-                    rho[out..out + count].copy_from_slice(&values[..count]);
                 }
             });
             self.sum_over_curves(range, &rho)
@@ -210,11 +245,11 @@ impl<'a, R: Real> Problem<'a, R> {
     }
 
     /// The sum of the values of a range of places, those that repeat others left out.
-    pub(super) fn sum_over_curves(&self, range: Range<usize>, values: &[R]) -> Energy {
+    pub(super) fn sum_over_curves(&self, range: Range<usize>, values: &[R]) -> Value {
         let first = range.start;
         let vertices = self.network.vertices();
         let part = |part: Range<usize>| {
-            let mut sum = Energy::default();
+            let mut sum = Value::default();
             for (value, &v) in values[part.start - first..].iter().zip(&vertices[part]) {
                 let value = value.to_f64();
                 sum.all += value;
@@ -226,9 +261,9 @@ impl<'a, R: Real> Problem<'a, R> {
     }
 
     /// The barrier of all vertices.
-    pub(super) fn barrier_value(&self, x: &[R]) -> Energy {
+    pub(super) fn barrier_value(&self, x: &[R]) -> Value {
         if self.barrier.0 == 0.0 {
-            return Energy::default();
+            return Value::default();
         }
         // One logarithm for several factors: their product stays far from the smallest number.
         const FACTORS: usize = 16;
@@ -239,7 +274,7 @@ impl<'a, R: Real> Problem<'a, R> {
                 all *= factor;
                 own *= if is_fixed { 1.0 } else { factor };
             }
-            Energy { all: -self.barrier.0 * all.ln(), own: -self.barrier.0 * own.ln() }
+            Value { all: -self.barrier.0 * all.ln(), own: -self.barrier.0 * own.ln() }
         };
         parallel::sum_blocks(x.len(), |range| {
             let chunks = x[range.clone()].chunks(FACTORS);
@@ -253,8 +288,7 @@ impl<'a, R: Real> Problem<'a, R> {
         &self,
         x: &[R],
         range: Range<usize>,
-        with_weights: bool,
-        mut f: impl FnMut(&Strip<R>, Range<usize>),
+        mut f: impl FnMut(&mut Strip<R>, Range<usize>),
     ) {
         let total = self.network.vertices().len();
         let end = range.end.min(total.saturating_sub(REPEATED));
@@ -262,12 +296,12 @@ impl<'a, R: Real> Problem<'a, R> {
         for start in (range.start.max(REPEATED)..end).step_by(STRIP) {
             let places = start..end.min(start + STRIP);
             let loaded = places.start - REPEATED..places.end + REPEATED;
-            self.load(&mut strip, x, 0, loaded, with_weights);
-            f(&strip, places);
+            self.load(&mut strip, x, 0, loaded);
+            f(&mut strip, places);
         }
     }
 
-    /// Loads some places to a strip from index `at` on, with their weights if those are wanted.
+    /// Loads some places to a strip from index `at` on.
     #[inline]
     pub(super) fn load<const LENGTH: usize>(
         &self,
@@ -275,16 +309,8 @@ impl<'a, R: Real> Problem<'a, R> {
         x: &[R],
         at: usize,
         places: Range<usize>,
-        with_weights: bool,
     ) {
-        strip.load(at, self.network, places.clone(), &self.lengths, x);
-        if with_weights {
-            let steps = &self.network.steps()[places.clone()];
-            for (n, (&v, &step)) in self.network.vertices()[places].iter().zip(steps).enumerate() {
-                let distance = self.lengths.between_planes(step.normal());
-                strip.set_weight(at + n, self.weights[v as usize][step.curve()] * distance);
-            }
-        }
+        strip.load(at, self.network, places, &self.lengths, x);
     }
 
     /// A mark for every place: `mark` of the smaller squared length of the chords before and after it
@@ -292,7 +318,7 @@ impl<'a, R: Real> Problem<'a, R> {
     pub(super) fn mark_places(&self, x: &[R], mark: impl Fn(f32, f32) -> u8 + Sync) -> Vec<u8> {
         let mut marks = vec![0; self.network.vertices().len()];
         parallel::update_blocks(&mut marks, NONE, |first, marks, []| {
-            self.strips(x, first..first + marks.len(), false, |strip, places| {
+            self.strips(x, first..first + marks.len(), |strip, places| {
                 for n in (0..places.len()).step_by(LANES) {
                     let (lengths, cosines) = turnings(strip, n + REPEATED);
                     let mut values = [0; LANES];
@@ -312,6 +338,17 @@ impl<'a, R: Real> Problem<'a, R> {
     /// Whether the barrier keeps steps from reaching the bounds.
     pub(super) fn has_barrier(&self) -> bool {
         self.barrier.0 > 0.0
+    }
+}
+
+impl<R: Real> WeightedPart<'_, R> {
+    /// Sets the weights of a strip whose own places are these, and of those around them.
+    pub(super) fn load_weights(&self, strip: &mut Strip<R>, places: Range<usize>) {
+        strip.set_weights(0, &self.weights[places.start - REPEATED..places.end + REPEATED]);
+    }
+
+    pub(super) fn weights(&self, places: Range<usize>) -> &[R] {
+        &self.weights[places]
     }
 }
 
@@ -359,8 +396,11 @@ fn slopes_along<R: Real>(strip: &Strip<R>, n: usize) -> Lanes<R> {
 
 /// The square root of `x` to a power.
 fn power_of_root<R: Real>(x: R, exponent: f64) -> R {
-    if exponent == 5.0 {
-        return x * x * x.sqrt();
+    match exponent {
+        0.0 => return R::from_f64(1.0),
+        5.0 => return x * x * x.sqrt(),
+        7.0 => return x * x * x * x.sqrt(),
+        _ => {}
     }
     R::from_f64(x.to_f64().powf(0.5 * exponent))
 }

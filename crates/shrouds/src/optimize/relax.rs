@@ -121,7 +121,7 @@ pub(super) fn relax(
 /// Works on one tile: the steps of some passes, weights and barrier frozen anew for each.
 fn visit(tile: &Tile, conditions: &Conditions, passes: &[&[Effort]], x: &[f32]) -> Visit {
     let mut x = tile.read(x);
-    let mut problem = Problem::new(&tile.network, conditions);
+    let mut problem = Problem::new(&tile.network, conditions, |factors| tile.read(factors));
     problem.is_fixed = tile.is_fixed();
     let mut newton = Newton::new(&tile.network);
     let mut energies = Vec::new();

@@ -1,9 +1,8 @@
 //! What a caller can choose about the optimisation.
 
 use std::ops::ControlFlow;
-use std::sync::Arc;
 
-use crate::energy::{Bending, CurveEnergy};
+use crate::energy::{Bending, Energy};
 use crate::error::Error;
 
 /// How the minimum is sought.
@@ -44,8 +43,8 @@ pub enum Start {
 /// Settings of the optimisation.
 #[derive(Clone)]
 pub struct Settings {
-    /// The measure ρ to minimise. Default [`Bending`].
-    pub energy: Arc<dyn CurveEnergy>,
+    /// What to minimise. Default [`Bending`].
+    pub energy: Energy,
     /// The method. Default [`Solver::Newton`].
     pub solver: Solver,
     /// How much work [`Solver::Newton`] does. Default [`Preset::Default`].
@@ -67,7 +66,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
-            energy: Arc::new(Bending),
+            energy: Bending.into(),
             solver: Solver::default(),
             preset: Preset::default(),
             start: Start::default(),

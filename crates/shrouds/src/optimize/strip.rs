@@ -8,7 +8,7 @@ use crate::optimize::real::Real;
 
 /// Places per strip; with its arrays it stays in the first-level cache.
 pub(super) const STRIP: usize = 256;
-/// Places that a strip holds: its own, two before and after them, and what the last lanes read beyond.
+/// Places that a strip holds: its own, three before and after them, and what the last lanes read beyond.
 pub(super) const LONG: usize = STRIP + 2 * REPEATED + LANES;
 
 /// Where a place that is not there is taken to lie: so far that a tangent, which minds the nearer of
@@ -102,10 +102,10 @@ impl<R: Real, const LENGTH: usize> Strip<R, LENGTH> {
         }
     }
 
-    /// Sets the weight of the place at index `n`.
+    /// Sets the weights of some places from index `at` on.
     #[inline(always)]
-    pub(super) fn set_weight(&mut self, n: usize, weight: R) {
-        self.weight[n] = weight;
+    pub(super) fn set_weights(&mut self, at: usize, weights: &[R]) {
+        self.weight[at..at + weights.len()].copy_from_slice(weights);
     }
 
     /// Moves the place at index `n`.
@@ -137,14 +137,20 @@ impl<R: Real, const LENGTH: usize> Strip<R, LENGTH> {
         [lanes(&self.moves[0], n), lanes(&self.moves[1], n)]
     }
 
-    /// The places at `n` and the next ones with their neighbours, each seen from itself, and how they
+    /// The places at `n` and the next ones with those around them, each seen from itself, and how they
     /// move.
     #[inline(always)]
     pub(super) fn stencils(&self, n: usize) -> Stencil<Lanes<R>> {
         let [u, v] = self.chords(n - 1);
+        let (next, chord) = (self.chords(n), self.chords(n + 1));
         Stencil {
-            points: [[negative(u), negative(v)], [[R::default(); LANES]; 2], self.chords(n)],
-            moves: [self.moves(n - 1), self.moves(n), self.moves(n + 1)],
+            points: [
+                [negative(u), negative(v)],
+                [[R::default(); LANES]; 2],
+                next,
+                [sum(next[0], chord[0]), sum(next[1], chord[1])],
+            ],
+            moves: [-1, 0, 1, 2].map(|shift| self.moves(n.wrapping_add_signed(shift))),
         }
     }
 
@@ -187,4 +193,12 @@ fn negative<R: Real>(mut values: Lanes<R>) -> Lanes<R> {
         *value = -*value;
     }
     values
+}
+
+#[inline(always)]
+fn sum<R: Real>(mut a: Lanes<R>, b: Lanes<R>) -> Lanes<R> {
+    for (a, b) in a.iter_mut().zip(b) {
+        *a = *a + b;
+    }
+    a
 }

@@ -5,10 +5,10 @@ use std::ops::Range;
 use crate::network::Network;
 use crate::surface::Surface;
 
-/// Lattice rows a tile holds beyond its own: two vertices away along a curve, and the upper ends of
+/// Lattice rows a tile holds beyond its own: three vertices away along a curve, and the upper ends of
 /// grid edges.
-const BELOW: usize = 2;
-const ABOVE: usize = 3;
+const BELOW: usize = 3;
+const ABOVE: usize = 4;
 
 /// Smallest edge of a tile in lattice rows; those around it are worked on twice.
 const MIN_EDGE: f64 = 24.0;
