@@ -143,7 +143,7 @@ fn optimize_settings(
             Some(Preset::Default) => optimize::Preset::Default,
             Some(Preset::Exact) | None => optimize::Preset::Exact,
         },
-        energy,
+        energy: Some(energy),
         solver: match args.solver {
             Solver::Newton => optimize::Solver::Newton,
             Solver::Sweeps => optimize::Solver::Sweeps,

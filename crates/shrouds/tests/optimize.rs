@@ -74,7 +74,7 @@ proptest! {
                 let solver = if n % 2 == 0 { Solver::Newton } else { Solver::Sweeps };
                 for solver in [Solver::Newton, solver] {
                     let settings = Settings {
-                        energy: energy.clone(), solver, margin,
+                        energy: Some(energy.clone()), solver, margin,
                         start: Start::Random(seed),
                         max_iterations: Some(6),
                         ..exact()
@@ -99,7 +99,7 @@ fn sweeps_and_newton_agree_on_the_convex_energy() {
     for volume in [egg(), phantom::linked_tori(24).unwrap()] {
         let with = |solver, tolerance, start| {
             let settings = Settings {
-                energy: Linear::default().into(),
+                energy: Some(Linear::default().into()),
                 solver,
                 start,
                 tolerance: Some(tolerance),
@@ -121,8 +121,12 @@ fn sweeps_and_newton_agree_on_the_convex_energy() {
 fn the_convex_energy_has_one_minimum_from_any_start() {
     let volume = phantom::linked_tori(24).unwrap();
     let from = |start| {
-        let settings =
-            Settings { energy: Linear::default().into(), start, tolerance: Some(1e-11), ..exact() };
+        let settings = Settings {
+            energy: Some(Linear::default().into()),
+            start,
+            tolerance: Some(1e-11),
+            ..exact()
+        };
         let (delta, report) = run(&volume, &settings);
         assert_eq!(report.status, Status::Converged);
         delta
@@ -180,7 +184,7 @@ fn the_sum_over_curves_is_the_energy() {
     let network = Network::trace(&surface);
     let energy = Curvature::default();
     let settings = Settings {
-        energy: energy.into(),
+        energy: Some(energy.into()),
         start: Start::Random(5),
         max_iterations: Some(1),
         ..exact()
@@ -302,7 +306,7 @@ fn a_foreign_energy_can_be_plugged_in() {
     volume.set([1, 1, 1], true);
     for solver in [Solver::Newton, Solver::Sweeps] {
         let settings =
-            Settings { energy: Length.into(), solver, tolerance: Some(1e-10), ..exact() };
+            Settings { energy: Some(Length.into()), solver, tolerance: Some(1e-10), ..exact() };
         let (delta, report) = run(&volume, &settings);
         assert_eq!(report.status, Status::Converged);
         assert_eq!(report.at_bound, 1.0);
@@ -339,7 +343,7 @@ fn the_energies_of_the_tiles_add_up() {
     let volume = maze();
     let start = |preset| {
         let settings = Settings {
-            energy: Linear::default().into(),
+            energy: Some(Linear::default().into()),
             start: Start::Random(9),
             max_iterations: Some(0),
             preset,

@@ -60,8 +60,9 @@ pub fn optimize(
 ) -> Result<Optimum, Error> {
     settings.validate()?;
     let grid = surface.grid();
+    let energy = settings.energy();
     let conditions = Conditions {
-        energy: &settings.energy,
+        energy: &energy,
         spacing: grid.spacing().map(|h| h / grid.min_spacing()),
         bounds: [settings.margin, 1.0 - settings.margin],
     };

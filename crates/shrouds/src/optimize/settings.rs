@@ -43,8 +43,8 @@ pub enum Start {
 /// Settings of the optimisation.
 #[derive(Clone)]
 pub struct Settings {
-    /// What to minimise. Default [`Bending`].
-    pub energy: Energy,
+    /// What to minimise. Default none: what the preset is made for, see [`Settings::energy`].
+    pub energy: Option<Energy>,
     /// The method. Default [`Solver::Newton`].
     pub solver: Solver,
     /// How much work [`Solver::Newton`] does. Default [`Preset::Default`].
@@ -66,7 +66,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
-            energy: Bending.into(),
+            energy: None,
             solver: Solver::default(),
             preset: Preset::default(),
             start: Start::default(),
@@ -78,6 +78,11 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// The energy in force: [`Bending`] unless another one is asked for.
+    pub fn energy(&self) -> Energy {
+        self.energy.clone().unwrap_or_else(|| Bending.into())
+    }
+
     /// The tolerance in force.
     pub fn tolerance(&self) -> f64 {
         self.tolerance.unwrap_or(match self.solver {
