@@ -143,7 +143,8 @@ fn bending_ends_at_the_same_surface_from_any_start() {
     let tolerance = 1e-7;
     for volume in [phantom::sphere(32).unwrap(), egg(), phantom::linked_tori(24).unwrap()] {
         let from = |start| {
-            let settings = Settings { start, tolerance: Some(tolerance), ..exact() };
+            let energy = Some(Bending.into());
+            let settings = Settings { energy, start, tolerance: Some(tolerance), ..exact() };
             let (delta, report) = run(&volume, &settings);
             assert_eq!(report.status, Status::Converged);
             (delta, report.energy[1])
@@ -274,8 +275,9 @@ fn the_observer_can_stop_the_work() {
         })
         .unwrap()
         .report;
-        assert_eq!((report.status, report.iterations), (Status::Cancelled, 2));
-        assert_eq!(seen.last(), Some(&2));
+        assert_eq!(report.status, Status::Cancelled);
+        assert_eq!(seen.last(), Some(&report.iterations));
+        assert!((2..6).contains(&report.iterations), "stopped at the next chance: {seen:?}");
     }
 }
 

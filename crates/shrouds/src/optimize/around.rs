@@ -1,7 +1,8 @@
 //! The energy as a function of the position of one vertex.
 
 use crate::energy::LANES;
-use crate::optimize::problem::{Barrier, Problem, WeightedPart};
+use crate::optimize::barrier::Barrier;
+use crate::optimize::problem::{Problem, WeightedPart};
 use crate::optimize::real::Real;
 use crate::optimize::strip::Strip;
 
@@ -16,7 +17,8 @@ const LONG: usize = 2 * REACH + 1 + LANES;
 /// The part of the energy that depends on one vertex.
 pub(super) struct Around<'a, R> {
     parts: &'a [WeightedPart<'a, R>],
-    barrier: Barrier,
+    barrier: &'a Barrier,
+    vertex: usize,
     /// Its places on both curves.
     places: [usize; 2],
     strips: [Strip<R, LONG>; 2],
@@ -59,9 +61,9 @@ impl<R: Real> Around<'_, R> {
                 }
             }
         }
-        let (slope, curvature) = self.barrier.slopes(x.to_f64());
+        let (slope, curvature) = self.barrier.slopes(self.vertex, x.to_f64());
         Univariate {
-            value: sum.value + self.barrier.value(x.to_f64()),
+            value: sum.value + self.barrier.value(self.vertex, x.to_f64()),
             slope: sum.slope + slope,
             curvature: sum.curvature + curvature,
         }
@@ -77,6 +79,6 @@ impl<R: Real> Problem<'_, R> {
             self.load(&mut strip, x, 0, place - REACH..place + REACH + 1);
             strip
         });
-        Around { parts: &self.parts, barrier: self.barrier, places, strips }
+        Around { parts: &self.parts, barrier: &self.barrier, vertex: v as usize, places, strips }
     }
 }

@@ -38,6 +38,8 @@ pub(super) struct Effort {
     pub(super) segments: usize,
     /// Stop when the preconditioned residual has fallen to this part of its first norm.
     pub(super) reduction: f64,
+    /// Parts of the step that are tried until one lowers the energy.
+    pub(super) parts: &'static [f64],
     /// Whether vertices with short chords or sharp turns are moved alone afterwards.
     pub(super) repairs: bool,
     /// Whether the step is one of many that go on until they converge.

@@ -7,11 +7,13 @@
 //! Uses: `grid`, `volume`, `surface`, `network`, `energy`.
 
 mod around;
+mod barrier;
 mod blur;
 mod conjugate;
-mod converge;
 mod model;
+mod flat;
 mod newton;
+mod plan;
 mod problem;
 mod real;
 mod relax;
@@ -22,6 +24,7 @@ mod strip;
 mod sweeps;
 mod tile;
 mod univariate;
+mod visit;
 
 pub use report::{Report, Round, Status};
 pub use settings::{Observer, Preset, Progress, Settings, Solver, Start};
@@ -34,7 +37,7 @@ use problem::{Conditions, Problem};
 use real::Real;
 
 /// A surface that minimises the energy, or comes near.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Optimum {
     /// δ of every vertex: 1 at the inside end of its grid edge, 0 at the outside end, within
     /// `[margin, 1 − margin]`.
@@ -60,57 +63,66 @@ pub fn optimize(
 ) -> Result<Optimum, Error> {
     settings.validate()?;
     let grid = surface.grid();
-    let energy = settings.energy();
-    let conditions = Conditions {
-        energy: &energy,
-        spacing: grid.spacing().map(|h| h / grid.min_spacing()),
-        bounds: [settings.margin, 1.0 - settings.margin],
-    };
-    let x = start::positions(surface, &settings.start, conditions.spacing, conditions.bounds);
-    Ok(match relax::passes(settings.preset) {
-        Some(passes) if !settings.converges() && !x.is_empty() => {
-            relaxed(surface, &conditions, passes, settings, x, observer)
+    let bounds = [settings.margin, 1.0 - settings.margin];
+    let spacing = grid.spacing().map(|h| h / grid.min_spacing());
+    let x = start::positions(surface, &settings.start, spacing, bounds);
+    // In double precision the bounds are nearer to their value.
+    let in_double = || x.iter().map(|&x| f64::from(x).clamp(bounds[0], bounds[1])).collect();
+    Ok(match (settings.solver, settings.preset) {
+        _ if x.is_empty() => Optimum::default(),
+        (Solver::Sweeps, _) => swept(surface, settings, spacing, in_double(), observer),
+        (Solver::Newton, Preset::Exact) => {
+            stepped(surface, settings, spacing, in_double(), observer)
         }
-        _ => converged(surface, &conditions, settings, x, observer),
+        (Solver::Newton, _) => stepped(surface, settings, spacing, x, observer),
     })
 }
 
-/// Some passes over tiles, in single precision.
-fn relaxed(
+/// The default method.
+fn stepped<R: Real>(
     surface: &Surface,
-    conditions: &Conditions,
-    passes: relax::Passes,
     settings: &Settings,
-    mut x: Vec<f32>,
+    spacing: [f64; 3],
+    mut x: Vec<R>,
     observer: &mut Observer,
 ) -> Optimum {
-    let limit = settings.max_iterations();
-    let relaxed = relax::relax(surface, conditions, passes, limit, &mut x, observer);
-    let report = Report::new(relaxed.rounds, &relaxed.stationarity, None);
-    Optimum { delta: deltas(surface, &x), slopes: relaxed.slopes, report }
+    let bounds = [settings.margin, 1.0 - settings.margin];
+    let mut left = settings.max_iterations();
+    let flatness = flat::flatness(surface);
+    let (mut preparation, mut slopes) = (Vec::new(), Vec::new());
+    let mut report = Report::default();
+    for plan::Stage { energy, passes } in plan::stages(settings) {
+        let conditions = Conditions { energy: &energy, spacing, bounds, flatness: &flatness };
+        let relaxed = relax::relax(surface, &conditions, passes, left, &mut x, observer);
+        left -= relaxed.steps();
+        let is_cancelled = relaxed.status() == Status::Cancelled;
+        slopes = relaxed.slopes;
+        report =
+            Report::new(std::mem::take(&mut preparation), relaxed.rounds, &relaxed.stationarity);
+        if is_cancelled {
+            break;
+        }
+        preparation.extend(report.rounds.iter().cloned());
+    }
+    Optimum { delta: deltas(surface, &x), slopes, report }
 }
 
-/// Steps or sweeps over the whole surface, in double precision.
-fn converged(
+/// The paper's method.
+fn swept(
     surface: &Surface,
-    conditions: &Conditions,
     settings: &Settings,
-    x: Vec<f32>,
+    spacing: [f64; 3],
+    mut x: Vec<f64>,
     observer: &mut Observer,
 ) -> Optimum {
+    let energy = settings.energy();
+    let flatness = flat::flatness(surface);
+    let bounds = [settings.margin, 1.0 - settings.margin];
+    let conditions = Conditions { energy: &energy, spacing, bounds, flatness: &flatness };
     let network = Network::trace(surface);
-    let mut problem = Problem::new(&network, conditions, <[f32]>::to_vec);
-    // In double precision the bounds are nearer to their value.
-    let [low, high] = conditions.bounds;
-    let mut x: Vec<f64> = x.into_iter().map(|x| f64::from(x).clamp(low, high)).collect();
-    let start = x.clone();
-    let (rounds, stationarity) = match settings.solver {
-        _ if x.is_empty() => Default::default(),
-        Solver::Newton => converge::solve(&mut problem, &mut x, settings, observer),
-        Solver::Sweeps => sweeps::solve(&mut problem, surface, &mut x, settings, observer),
-    };
-    let first = problem.value(&start);
-    let report = Report::new(rounds, &stationarity, Some(first));
+    let mut problem = Problem::new(&network, &conditions, <[f32]>::to_vec);
+    let (rounds, stationarity) = sweeps::solve(&mut problem, surface, &mut x, settings, observer);
+    let report = Report::new(Vec::new(), rounds, &stationarity);
     Optimum { delta: deltas(surface, &x), slopes: problem.slopes(&x), report }
 }
 

@@ -52,50 +52,47 @@ impl<R: Real> Model<R> {
         x: &[R],
     ) -> Value {
         let parts = self.linearise_curves(problem, x);
-        problem.set_barrier(parts.energy.all);
+        problem.set_barrier(|place| parts.parts[place].rho);
         self.gather(problem, x, &parts);
         parts.energy + problem.barrier_value(x)
     }
 
     fn linearise_curves(&mut self, problem: &Problem<R>, x: &[R]) -> Parts<R> {
         let places = self.near.len();
-        let (mut slopes, mut squares) = (vec![R::default(); places], vec![0.0f32; places]);
+        let (mut parts, mut squares) = (vec![Part::default(); places], vec![0.0f32; places]);
         self.support = problem.support();
         let arrays = [&mut squares[..], &mut self.near, &mut self.far, &mut self.third];
-        let energy = parallel::update_blocks(&mut slopes, arrays, |first, slopes, matrix| {
+        let energy = parallel::update_blocks(&mut parts, arrays, |first, parts, matrix| {
             let [squares, near, far, third] = matrix;
-            let range = first..first + slopes.len();
-            let mut rho = vec![R::default(); range.len()];
+            let range = first..first + parts.len();
             let mut terms = Terms::new();
             problem.strips(x, range.clone(), |strip, places| {
                 terms.fill(problem, strip, places.clone());
                 let out = places.start - first..places.end - first;
-                let count = out.len();
-                terms.slopes(&mut slopes[out.clone()]);
+                terms.parts(&mut parts[out.clone()]);
                 terms.squares(&mut squares[out.clone()]);
                 terms.near(&mut near[out.clone()]);
                 terms.far(&mut far[out.clone()]);
                 if problem.support() == Support::NextTwo {
                     terms.third(&mut third[out.clone()]);
                 }
-                rho[out].copy_from_slice(&terms.rho[BEFORE..][..count]);
             });
-            problem.sum_over_curves(range, &rho)
+            problem.sum_over_curves(range, |place| parts[place - first].rho)
         });
-        Parts { energy, slopes, squares }
+        Parts { energy, parts, squares }
     }
 
     /// Gradient and diagonal from the parts at both places of every vertex and the barrier.
     fn gather(&mut self, problem: &Problem<R>, x: &[R], parts: &Parts<R>) {
-        let Parts { slopes, squares, .. } = parts;
+        let Parts { parts, squares, .. } = parts;
         let places = problem.network.places();
         let diagonal = [&mut self.diagonal[..]];
         parallel::update_blocks(&mut self.gradient, diagonal, |first, gradient, [diagonal]| {
             for (n, (gradient, diagonal)) in gradient.iter_mut().zip(diagonal).enumerate() {
                 let [a, b] = places[first + n];
                 let (a, b) = (a as usize, b as usize);
-                let (slope, curvature) = problem.barrier.slopes(x[first + n].to_f64());
-                *gradient = R::from_f64(slope) + slopes[a] + slopes[b];
+                let (slope, curvature) = problem.barrier.slopes(first + n, x[first + n].to_f64());
+                *gradient = R::from_f64(slope) + parts[a].slope + parts[b].slope;
                 *diagonal = curvature as f32 + squares[a] + squares[b];
             }
             0.0
@@ -158,8 +155,15 @@ impl<R: Real> Model<R> {
 /// Energy of the curves, and what every place adds to the gradient and the diagonal at its vertex.
 struct Parts<R> {
     energy: Value,
-    slopes: Vec<R>,
+    parts: Vec<Part<R>>,
     squares: Vec<f32>,
+}
+
+/// What a place has of the energy, and what it adds to the gradient at its vertex.
+#[derive(Clone, Copy, Default)]
+struct Part<R> {
+    rho: R,
+    slope: R,
 }
 
 /// ρ, its gradient and its Gauss–Newton matrix with respect to the four positions it depends on, at
@@ -228,15 +232,22 @@ impl<R: Real> Terms<R> {
         }
     }
 
-    /// The gradient in the position of every place.
-    fn slopes(&self, out: &mut [R]) {
+    /// Energy and gradient of every place.
+    fn parts(&self, out: &mut [Part<R>]) {
         let [a, b, c, d] = &self.gradient;
-        sum(out, [a, b, c, d], |x| x);
+        for (n, out) in out.iter_mut().enumerate() {
+            let slope = a[n + 3] + b[n + 2] + c[n + 1] + d[n];
+            *out = Part { rho: self.rho[n + BEFORE], slope };
+        }
     }
 
     /// The diagonal of the matrix.
     fn squares(&self, out: &mut [f32]) {
-        sum(out, [0, 1, 2, 3].map(|i| &self.matrix[entry(i, i)]), single);
+        let [a, b, c, d] = [0, 1, 2, 3].map(|i| &self.matrix[entry(i, i)]);
+        let terms = a[3..].iter().zip(&b[2..]).zip(&c[1..]).zip(d);
+        for (out, (((&a, &b), &c), &d)) in out.iter_mut().zip(terms) {
+            *out = single(a + b + c + d);
+        }
     }
 
     /// The coupling of every place to the next one.
@@ -267,15 +278,6 @@ impl<R: Real> Terms<R> {
 /// Where the entry of a symmetric matrix in row `i` and column `j ≥ i` is kept.
 const fn entry(i: usize, j: usize) -> usize {
     j * (j + 1) / 2 + i
-}
-
-/// At every place what depends on it as the previous vertex (of the next place), as its own, as the
-/// next and as the one after that.
-fn sum<R: Real, T>(out: &mut [T], [a, b, c, d]: [&[R; LENGTH]; 4], f: impl Fn(R) -> T) {
-    let terms = a[3..].iter().zip(&b[2..]).zip(&c[1..]).zip(d);
-    for (out, (((&a, &b), &c), &d)) in out.iter_mut().zip(terms) {
-        *out = f(a + b + c + d);
-    }
 }
 
 #[inline(always)]

@@ -27,44 +27,61 @@ pub(super) struct Newton<R> {
     workspace: Workspace,
 }
 
+/// A step that lowered the energy.
+pub(super) struct Step {
+    /// The energy after it.
+    pub(super) value: Value,
+    /// The sum of the squares of what the vertices moved, in edge lengths.
+    pub(super) moved: f64,
+}
+
+impl Step {
+    fn to<R: Real>(value: Value, x: &mut Vec<R>, new: Vec<R>) -> Self {
+        let square = |(a, b): (&R, &R)| (a.to_f64() - b.to_f64()).powi(2);
+        let moved = x.iter().zip(&new).map(square).sum();
+        *x = new;
+        Self { value, moved }
+    }
+}
+
 impl<R: Real> Newton<R> {
     pub(super) fn new(network: &Network) -> Self {
         Self { model: Model::new(network), workspace: Workspace::new(network) }
     }
 
     /// One step that lowers the energy: of all vertices together, or else vertex by vertex. Returns
-    /// the new energy, or nothing when neither helped; the model is linearised where `x` is then.
+    /// nothing when neither helped; the model is linearised where `x` is then.
     pub(super) fn step(
         &mut self,
         problem: &Problem<R>,
         x: &mut Vec<R>,
         energy: Value,
         effort: &Effort,
-    ) -> Option<Value> {
+    ) -> Option<Step> {
         self.workspace.solve(&self.model, problem.network, &room(problem, x), effort);
-        let workspace = &self.workspace;
         let [low, high] = problem.bounds.map(R::to_f64);
-        let mut together = vec![R::default(); x.len()];
-        parallel::fill(&mut together, |v| {
-            R::from_f64((x[v].to_f64() + workspace.step(v)).clamp(low, high))
-        });
-        if effort.repairs {
-            let awkward = if effort.converges { self.awkward(problem, x) } else { Vec::new() };
-            repair(problem, &mut together, &awkward);
-        }
-        let lower = self.model.linearise(problem, &together);
-        if lower.all < energy.all + univariate::ROUNDING * energy.all.abs() {
-            *x = together;
-            return Some(lower);
+        for part in effort.parts {
+            let workspace = &self.workspace;
+            let mut together = vec![R::default(); x.len()];
+            parallel::fill(&mut together, |v| {
+                R::from_f64((x[v].to_f64() + part * workspace.step(v)).clamp(low, high))
+            });
+            if effort.repairs {
+                let awkward = if effort.converges { self.awkward(problem, x) } else { Vec::new() };
+                repair(problem, &mut together, &awkward);
+            }
+            let value = self.model.linearise(problem, &together);
+            if value.all < energy.all + univariate::ROUNDING * energy.all.abs() {
+                return Some(Step::to(value, x, together));
+            }
         }
         // The model misled the step somewhere. Alone, every vertex with a slope left can go down.
         let mut alone = x.clone();
         let all: Vec<u32> = (0..x.len() as u32).collect();
         repair(problem, &mut alone, &all);
-        let lower = self.model.linearise(problem, &alone);
-        if lower.all < energy.all {
-            *x = alone;
-            return Some(lower);
+        let value = self.model.linearise(problem, &alone);
+        if value.all < energy.all {
+            return Some(Step::to(value, x, alone));
         }
         self.model.linearise(problem, x);
         None

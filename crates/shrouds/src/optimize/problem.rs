@@ -5,12 +5,12 @@ use std::ops::{Add, Range};
 
 use crate::energy::{CurveEnergy, Energy, LANES, Lanes, Support};
 use crate::network::{Network, REPEATED};
+use crate::optimize::barrier::Barrier;
 use crate::optimize::real::Real;
 use crate::optimize::strip::{Lengths, STRIP, Strip};
 use crate::parallel::{self, NONE};
 
-/// Largest barrier strength, and the least weight factor `1 − n_p²`.
-const BARRIER_CAP: f64 = 0.01;
+/// The least weight factor `1 − n_p²`.
 const LEAST_WEIGHT: f64 = 1e-4;
 /// What stands for the slope of a curve that runs straight along a grid edge.
 const STEEPEST: f64 = 1e6;
@@ -23,6 +23,8 @@ pub(super) struct Conditions<'a> {
     pub(super) spacing: [f64; 3],
     /// Between what the positions must stay.
     pub(super) bounds: [f64; 2],
+    /// See [`flatness`](crate::optimize::flat::flatness).
+    pub(super) flatness: &'a [f32],
 }
 
 /// The function to minimise. Weights and barrier depend on the surface; they are frozen while
@@ -34,6 +36,8 @@ pub(super) struct Problem<'a, R> {
     lengths: Lengths<R>,
     pub(super) bounds: [R; 2],
     pub(super) barrier: Barrier,
+    /// How surely every vertex lies on a flat face along the grid.
+    flatness: Vec<f32>,
     /// Whether a vertex must stay where it is.
     pub(super) is_fixed: Vec<bool>,
 }
@@ -67,23 +71,6 @@ impl Sum for Value {
     }
 }
 
-/// The barrier `−μ·log(4·x·(1 − x))` of strength μ at a position.
-#[derive(Clone, Copy)]
-pub(super) struct Barrier(f64);
-
-impl Barrier {
-    pub(super) fn value(self, x: f64) -> f64 {
-        if self.0 == 0.0 { 0.0 } else { -self.0 * (4.0 * x * (1.0 - x)).ln() }
-    }
-
-    /// Slope and curvature.
-    #[inline]
-    pub(super) fn slopes(self, x: f64) -> (f64, f64) {
-        let (low, high) = (1.0 / x, 1.0 / (1.0 - x));
-        (self.0 * (high - low), self.0 * (low * low + high * high))
-    }
-}
-
 impl<'a, R: Real> Problem<'a, R> {
     /// The problem with weights as if every slice cut the surface at a right angle, and no barrier.
     /// `local` takes what is known of the vertices of the surface to those of the network.
@@ -104,15 +91,12 @@ impl<'a, R: Real> Problem<'a, R> {
             parts: parts.collect(),
             lengths: Lengths::new(conditions.spacing),
             bounds: conditions.bounds.map(R::from_f64),
-            barrier: Barrier(0.0),
+            flatness: local(conditions.flatness),
+            barrier: Barrier::none(network.vertex_count()),
             is_fixed: vec![false; network.vertex_count()],
         };
         problem.set_weights(|_| R::from_f64(1.0));
         problem
-    }
-
-    pub(super) fn vertex_count(&self) -> usize {
-        self.network.vertex_count()
     }
 
     /// The largest support of the measures.
@@ -128,9 +112,8 @@ impl<'a, R: Real> Problem<'a, R> {
     /// Sets the Meusnier weights, and the barrier from the energy they give, for the surface at `x`.
     pub(super) fn freeze(&mut self, x: &[R]) {
         self.freeze_weights(x);
-        if self.energy.barrier() != 0.0 {
-            self.set_barrier(self.curve_value(x).all);
-        }
+        let energies = self.energies(x);
+        self.set_barrier(|place| energies[place]);
     }
 
     /// Sets the Meusnier weights for the surface at `x`.
@@ -167,10 +150,13 @@ impl<'a, R: Real> Problem<'a, R> {
         slopes
     }
 
-    /// Sets the barrier for a surface whose curves have this energy.
-    pub(super) fn set_barrier(&mut self, curve_value: f64) {
-        let mean = curve_value / self.vertex_count().max(1) as f64;
-        self.barrier = Barrier((self.energy.barrier() * mean).min(BARRIER_CAP));
+    /// Sets the barrier for a surface whose places have these energies.
+    pub(super) fn set_barrier(&mut self, of_place: impl Fn(usize) -> R + Sync) {
+        let network = self.network;
+        let of_vertex = |v: usize| {
+            network.places()[v].iter().map(|&place| of_place(place as usize).to_f64()).sum()
+        };
+        self.barrier.set(self.energy.barrier(), &self.flatness, of_vertex);
     }
 
     /// [`Problem::slopes`], place by place.
@@ -218,42 +204,50 @@ impl<'a, R: Real> Problem<'a, R> {
 
     /// The energy at `x`, barrier included.
     pub(super) fn value(&self, x: &[R]) -> f64 {
-        (self.curve_value(x) + self.barrier_value(x)).all
+        let energies = self.energies(x);
+        let sum = parallel::sum_blocks(energies.len(), |range| {
+            self.sum_over_curves(range, |place| energies[place])
+        });
+        (sum + self.barrier_value(x)).all
     }
 
-    /// The energy of the curves at `x`.
-    fn curve_value(&self, x: &[R]) -> Value {
-        parallel::sum_blocks(self.network.vertices().len(), |range| {
-            let mut rho = vec![R::default(); range.len()];
-            self.strips(x, range.clone(), |strip, places| {
+    /// The energy of the curves at `x`, place by place.
+    fn energies(&self, x: &[R]) -> Vec<R> {
+        let mut energies = vec![R::default(); self.network.vertices().len()];
+        parallel::update_blocks(&mut energies, NONE, |first, energies, []| {
+            self.strips(x, first..first + energies.len(), |strip, places| {
                 for part in &self.parts {
                     part.load_weights(strip, places.clone());
                     for n in (0..places.len()).step_by(LANES) {
                         let term = R::terms(part.measure, &strip.stencils(n + REPEATED));
                         let weights = strip.weights(n + REPEATED);
                         let [a, b] = term.residual;
-                        let out = &mut rho[places.start - range.start + n..];
-                        for (l, out) in out.iter_mut().enumerate().take(LANES.min(places.len() - n))
-                        {
+                        let out = &mut energies[places.start - first + n..];
+                        let count = LANES.min(places.len() - n);
+                        for (l, out) in out.iter_mut().enumerate().take(count) {
                             *out = *out + weights[l] * (a[l] * a[l] + b[l] * b[l]);
                         }
                     }
                 }
             });
-            self.sum_over_curves(range, &rho)
-        })
+            0.0
+        });
+        energies
     }
 
     /// The sum of the values of a range of places, those that repeat others left out.
-    pub(super) fn sum_over_curves(&self, range: Range<usize>, values: &[R]) -> Value {
-        let first = range.start;
+    pub(super) fn sum_over_curves(
+        &self,
+        range: Range<usize>,
+        of_place: impl Fn(usize) -> R,
+    ) -> Value {
         let vertices = self.network.vertices();
         let part = |part: Range<usize>| {
             let mut sum = Value::default();
-            for (value, &v) in values[part.start - first..].iter().zip(&vertices[part]) {
-                let value = value.to_f64();
+            for place in part {
+                let value = of_place(place).to_f64();
                 sum.all += value;
-                sum.own += if self.is_fixed[v as usize] { 0.0 } else { value };
+                sum.own += if self.is_fixed[vertices[place] as usize] { 0.0 } else { value };
             }
             sum
         };
@@ -262,23 +256,15 @@ impl<'a, R: Real> Problem<'a, R> {
 
     /// The barrier of all vertices.
     pub(super) fn barrier_value(&self, x: &[R]) -> Value {
-        if self.barrier.0 == 0.0 {
+        if !self.barrier.is_set() {
             return Value::default();
         }
-        // One logarithm for several factors: their product stays far from the smallest number.
-        const FACTORS: usize = 16;
-        let logarithm = |(x, is_fixed): (&[R], &[bool])| {
-            let (mut all, mut own) = (1.0, 1.0);
-            for (x, &is_fixed) in x.iter().zip(is_fixed) {
-                let factor = 4.0 * x.to_f64() * (1.0 - x.to_f64());
-                all *= factor;
-                own *= if is_fixed { 1.0 } else { factor };
-            }
-            Value { all: -self.barrier.0 * all.ln(), own: -self.barrier.0 * own.ln() }
-        };
         parallel::sum_blocks(x.len(), |range| {
-            let chunks = x[range.clone()].chunks(FACTORS);
-            chunks.zip(self.is_fixed[range].chunks(FACTORS)).map(logarithm).sum()
+            let value = |v| {
+                let all = self.barrier.value(v, x[v].to_f64());
+                Value { all, own: if self.is_fixed[v] { 0.0 } else { all } }
+            };
+            range.map(value).sum()
         })
     }
 
@@ -337,7 +323,7 @@ impl<'a, R: Real> Problem<'a, R> {
 
     /// Whether the barrier keeps steps from reaching the bounds.
     pub(super) fn has_barrier(&self) -> bool {
-        self.barrier.0 > 0.0
+        self.barrier.is_set()
     }
 }
 

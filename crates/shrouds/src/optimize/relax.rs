@@ -1,14 +1,16 @@
-//! A fixed number of steps, tile by tile: the presets `fast` and `default`.
+//! Passes over the surface, tile by tile.
 //!
 //! What the solver keeps for a vertex is many times what remains of it; worked on by tiles, that
 //! stays in the processor's cache, and the memory is that of the positions alone.
 
 use crate::optimize::conjugate::Effort;
-use crate::optimize::newton::Newton;
-use crate::optimize::problem::{Conditions, Problem};
+use crate::optimize::plan::{Passes, STEPS};
+use crate::optimize::problem::Conditions;
+use crate::optimize::real::Real;
 use crate::optimize::report::{Round, Stationarity, Status};
-use crate::optimize::settings::{Observer, Preset, Progress};
+use crate::optimize::settings::{Observer, Progress};
 use crate::optimize::tile::{Tile, TileRows, partition};
+use crate::optimize::visit::{Visit, visit};
 use crate::parallel;
 use crate::surface::Surface;
 
@@ -17,134 +19,186 @@ const TILE: usize = 50_000;
 /// Tiles worked on between two calls of the observer.
 const GROUP: usize = 8;
 
-/// The steps of the passes over all tiles; weights and barrier are frozen anew for each pass.
-pub(super) type Passes = &'static [&'static [Effort]];
-
-const fn iterations(count: usize) -> Effort {
-    Effort { segment: count, segments: 1, reduction: 1e-3, repairs: true, converges: false }
-}
-
-/// What a preset does; nothing for the one that converges.
-pub(super) fn passes(preset: Preset) -> Option<Passes> {
-    const FAST: Passes = &[&[iterations(20)]];
-    // What goes wrong in the first step the next one mends.
-    const FIRST: Effort = Effort { repairs: false, ..iterations(10) };
-    const DEFAULT: Passes = &[&[FIRST, iterations(20)], &[iterations(30)]];
-    match preset {
-        Preset::Fast => Some(FAST),
-        Preset::Default => Some(DEFAULT),
-        Preset::Exact => None,
-    }
-}
-
 /// What is known of a surface after the passes.
 pub(super) struct Relaxed {
     pub(super) rounds: Vec<Round>,
     pub(super) stationarity: Stationarity,
-    /// See [`Problem::slopes`].
+    /// See [`Problem::slopes`](crate::optimize::problem::Problem::slopes).
     pub(super) slopes: Vec<[f32; 2]>,
 }
 
-/// What working on a tile brought.
-struct Visit {
-    x: Vec<f32>,
-    /// The energy of the tile's own vertices, for each pass that was made, before it and after every
-    /// step.
-    energies: Vec<Vec<f64>>,
-    stationarity: Stationarity,
-    slopes: Vec<[f32; 2]>,
+impl Relaxed {
+    fn new(vertices: usize) -> Self {
+        Self {
+            rounds: Vec::new(),
+            stationarity: Stationarity::default(),
+            slopes: vec![[0.0; 2]; vertices],
+        }
+    }
+
+    /// Steps that were made.
+    pub(super) fn steps(&self) -> usize {
+        self.rounds.iter().map(|round| round.energies.len() - 1).sum()
+    }
+
+    pub(super) fn status(&self) -> Status {
+        self.rounds.last().map_or(Status::Empty, |round| round.status)
+    }
 }
 
 /// Makes the passes, at most `most_steps` steps of them.
-pub(super) fn relax(
+pub(super) fn relax<R: Real>(
     surface: &Surface,
     conditions: &Conditions,
     passes: Passes,
     most_steps: usize,
-    x: &mut [f32],
+    x: &mut [R],
     observer: &mut Observer,
 ) -> Relaxed {
-    let mut left = most_steps;
-    let shorten = |steps: &&'static [Effort]| {
-        let steps = &steps[..left.min(steps.len())];
-        left -= steps.len();
-        steps
-    };
-    let whole: usize = passes.iter().map(|steps| steps.len()).sum();
-    let end = if most_steps < whole { Status::IterationLimit } else { Status::Preset };
-    let passes: Vec<&[Effort]> = passes.iter().map(shorten).collect();
-    let mut relaxed = Relaxed {
-        rounds: Vec::new(),
-        stationarity: Stationarity::default(),
-        slopes: vec![[0.0; 2]; x.len()],
-    };
-    // A surface of one tile is not cut, and no pass depends on what others did to its surroundings.
-    let is_one_tile = x.len() <= TILE + TILE / 2;
-    let visits: Vec<&[&[Effort]]> =
-        if is_one_tile { vec![&passes] } else { passes.chunks(1).collect() };
-    for (n, passes) in visits.iter().enumerate() {
-        let colours = match is_one_tile {
-            true => [vec![TileRows::all(surface)], Vec::new(), Vec::new(), Vec::new()],
-            false => partition(surface, TILE, n % 2 == 1),
+    let mut work = Work { surface, conditions, least: 0.0, relaxed: Relaxed::new(x.len()) };
+    match passes {
+        Passes::Fixed(passes) => work.make_all(passes, most_steps, x, observer),
+        Passes::UntilConverged(tolerance) => {
+            work.converge(tolerance, most_steps, x, observer);
+        }
+    }
+    work.relaxed
+}
+
+/// A surface with what was found out about it so far.
+struct Work<'a> {
+    surface: &'a Surface,
+    conditions: &'a Conditions<'a>,
+    /// See [`visit`].
+    least: f64,
+    relaxed: Relaxed,
+}
+
+impl Work<'_> {
+    /// Whether the surface is not cut, so that no pass depends on what others did to its surroundings.
+    fn is_one_tile(&self, vertices: usize) -> bool {
+        vertices <= TILE + TILE / 2
+    }
+
+    /// Makes some passes and no more.
+    fn make_all<R: Real>(
+        &mut self,
+        passes: &[&'static [Effort]],
+        most_steps: usize,
+        x: &mut [R],
+        observer: &mut Observer,
+    ) {
+        let mut left = most_steps;
+        let shorten = |steps: &&'static [Effort]| {
+            let steps = &steps[..left.min(steps.len())];
+            left -= steps.len();
+            steps
         };
-        let mut pass =
-            Pass::new(passes, if n + 1 == visits.len() { end } else { Status::IterationLimit });
+        let whole: usize = passes.iter().map(|steps| steps.len()).sum();
+        let end = if most_steps < whole { Status::IterationLimit } else { Status::Preset };
+        let passes: Vec<&[Effort]> = passes.iter().map(shorten).collect();
+        let visits: Vec<&[&[Effort]]> =
+            if self.is_one_tile(x.len()) { vec![&passes] } else { passes.chunks(1).collect() };
+        for (n, passes) in visits.iter().enumerate() {
+            let status = if n + 1 == visits.len() { end } else { Status::IterationLimit };
+            let pass = Pass::new(passes, status);
+            let share = |fraction| Some((n as f64 + fraction) / visits.len() as f64);
+            let pass = self.make(pass, passes, n % 2 == 1, x, &mut |pass, fraction| {
+                observer(pass.progress(n + 1, 0.0, share(fraction))).is_break()
+            });
+            if self.take(pass) == Status::Cancelled {
+                return;
+            }
+        }
+    }
+
+    /// Makes passes until one finds next to nothing to do.
+    fn converge<R: Real>(
+        &mut self,
+        tolerance: f64,
+        most_steps: usize,
+        x: &mut [R],
+        observer: &mut Observer,
+    ) {
+        self.least = tolerance;
+        for n in 0.. {
+            let done = self.relaxed.steps();
+            let steps = &STEPS[..STEPS.len().min(most_steps - done)];
+            let pass = Pass::new(&[steps], Status::IterationLimit);
+            let mut pass = self.make(pass, &[steps], n % 2 == 1, x, &mut |pass, _| {
+                observer(pass.progress(done + pass.steps(), tolerance, None)).is_break()
+            });
+            pass.drop_idle_steps();
+            let is_stationary = pass.stationarity.step_rms() <= tolerance;
+            let first_move = (pass.first_move / x.len() as f64).sqrt();
+            if pass.status != Status::Cancelled && !steps.is_empty() {
+                pass.status = match () {
+                    () if is_stationary && first_move <= tolerance => Status::Converged,
+                    () if pass.steps() == 0 => Status::Stalled,
+                    () => Status::IterationLimit,
+                };
+            }
+            let is_last =
+                pass.status != Status::IterationLimit || done + pass.steps() >= most_steps;
+            self.take(pass);
+            if is_last {
+                return;
+            }
+        }
+    }
+
+    /// Visits all tiles, `shifted` against those of the pass before. `stop` is told how the pass goes
+    /// and which part of it is done.
+    fn make<R: Real>(
+        &mut self,
+        mut pass: Pass,
+        passes: &[&[Effort]],
+        shifted: bool,
+        x: &mut [R],
+        stop: &mut dyn FnMut(&Pass, f64) -> bool,
+    ) -> Pass {
+        let (surface, conditions, least) = (self.surface, self.conditions, self.least);
+        let colours = match self.is_one_tile(x.len()) {
+            true => [vec![TileRows::all(surface)], Vec::new(), Vec::new(), Vec::new()],
+            false => partition(surface, TILE, shifted),
+        };
         let groups: Vec<&[TileRows]> = colours.iter().flat_map(|c| c.chunks(GROUP)).collect();
         for (done, tiles) in groups.iter().enumerate() {
             let found = parallel::blocks(tiles.len(), 1, |range| {
                 let tile = Tile::cut(surface, tiles[range.start].clone());
-                let visit = visit(&tile, conditions, passes, x);
+                let visit = visit(&tile, conditions, passes, least, x);
                 (tile, visit)
             });
             for (tile, visit) in found {
                 tile.write(&visit.x, x);
-                tile.write(&visit.slopes, &mut relaxed.slopes);
+                tile.write(&visit.slopes, &mut self.relaxed.slopes);
                 pass.add(visit);
             }
-            let fraction = (done + 1) as f64 / groups.len() as f64;
-            let progress = pass.progress(n, visits.len(), fraction);
-            if observer(progress).is_break() {
+            if stop(&pass, (done + 1) as f64 / groups.len() as f64) {
                 pass.status = Status::Cancelled;
                 break;
             }
         }
-        let cancelled = pass.status == Status::Cancelled;
-        relaxed.stationarity = pass.stationarity;
-        relaxed.rounds.extend(pass.into_rounds());
-        if cancelled {
-            break;
-        }
+        pass
     }
-    relaxed
-}
 
-/// Works on one tile: the steps of some passes, weights and barrier frozen anew for each.
-fn visit(tile: &Tile, conditions: &Conditions, passes: &[&[Effort]], x: &[f32]) -> Visit {
-    let mut x = tile.read(x);
-    let mut problem = Problem::new(&tile.network, conditions, |factors| tile.read(factors));
-    problem.is_fixed = tile.is_fixed();
-    let mut newton = Newton::new(&tile.network);
-    let mut energies = Vec::new();
-    for steps in passes {
-        problem.freeze_weights(&x);
-        let mut energy = newton.model.linearise_with_new_barrier(&mut problem, &x);
-        let mut own = vec![energy.own];
-        for effort in *steps {
-            let Some(lower) = newton.step(&problem, &mut x, energy, effort) else { break };
-            energy = lower;
-            own.push(energy.own);
-        }
-        energies.push(own);
+    /// Takes in what a pass brought.
+    fn take(&mut self, pass: Pass) -> Status {
+        let status = pass.status;
+        self.relaxed.stationarity = pass.stationarity;
+        self.relaxed.rounds.extend(pass.into_rounds());
+        status
     }
-    let stationarity = Stationarity::of(&newton.model, &x, problem.bounds, &problem.is_fixed);
-    let slopes = problem.slopes(&x);
-    Visit { x, energies, stationarity, slopes }
 }
 
 /// What the tiles of some passes brought so far.
 struct Pass {
     /// For each pass the sums over the tiles before it and after every step.
     energies: Vec<Vec<f64>>,
+    /// The most steps that a tile made in the last of them.
+    most_steps: usize,
+    /// See [`Visit::first_move`].
+    first_move: f64,
     stationarity: Stationarity,
     status: Status,
 }
@@ -153,12 +207,17 @@ impl Pass {
     fn new(passes: &[&[Effort]], status: Status) -> Self {
         Self {
             energies: passes.iter().map(|steps| vec![0.0; steps.len() + 1]).collect(),
+            most_steps: 0,
+            first_move: 0.0,
             stationarity: Stationarity::default(),
             status,
         }
     }
 
-    fn add(&mut self, visit: Visit) {
+    fn add<R>(&mut self, visit: Visit<R>) {
+        self.first_move += visit.first_move;
+        let steps = visit.energies.last().map_or(0, |energies| energies.len() - 1);
+        self.most_steps = self.most_steps.max(steps);
         for (sums, found) in self.energies.iter_mut().zip(visit.energies) {
             for (n, sum) in sums.iter_mut().enumerate() {
                 // A tile that could not go lower stays where it is.
@@ -168,13 +227,25 @@ impl Pass {
         self.stationarity.add(visit.stationarity);
     }
 
-    fn progress(&self, pass: usize, passes: usize, fraction: f64) -> Progress {
+    /// Steps of the last pass so far.
+    fn steps(&self) -> usize {
+        self.most_steps
+    }
+
+    /// Forgets the steps at the end that no tile made.
+    fn drop_idle_steps(&mut self) {
+        if let Some(energies) = self.energies.last_mut() {
+            energies.truncate(self.most_steps + 1);
+        }
+    }
+
+    fn progress(&self, iteration: usize, tolerance: f64, share_done: Option<f64>) -> Progress {
         Progress {
-            iteration: pass + 1,
+            iteration,
             energy: self.energies.last().and_then(|e| e.last()).copied().unwrap_or_default(),
             change: self.stationarity.step_rms(),
-            tolerance: 0.0,
-            share_done: Some((pass as f64 + fraction) / passes as f64),
+            tolerance,
+            share_done,
         }
     }
 

@@ -4,7 +4,7 @@ use crate::optimize::model::Model;
 use crate::optimize::real::Real;
 
 /// How an optimisation ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Status {
     /// The stop rule is satisfied.
     Converged,
@@ -17,6 +17,7 @@ pub enum Status {
     /// The observer stopped it.
     Cancelled,
     /// There was no vertex to move.
+    #[default]
     Empty,
 }
 
@@ -50,14 +51,14 @@ impl Round {
 }
 
 /// What an optimisation did and how good its result is.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Report {
     /// How it ended.
     pub status: Status,
     /// Iterations (Gauss–Newton steps or sweeps) over all rounds.
     pub iterations: usize,
-    /// Energy of the start and of the result. Both with the weights and barrier of the last round,
-    /// but with a preset that does not converge each with those in force.
+    /// Energy at the start of the first round that is not preparation, and of the result, each with
+    /// the weights and barrier in force.
     pub energy: [f64; 2],
     /// Euclidean norm of the projected gradient of the energy with respect to the positions: zero
     /// components where a bound holds the vertex.
@@ -71,6 +72,8 @@ pub struct Report {
     pub at_bound: f64,
     /// The rounds, in order.
     pub rounds: Vec<Round>,
+    /// How many rounds at the beginning prepared the work with another energy.
+    pub prepared: usize,
 }
 
 /// How far a state is from satisfying the conditions of a minimum.
@@ -121,25 +124,28 @@ impl Stationarity {
 }
 
 impl Report {
-    /// The report of an optimisation that took these rounds and ended like this; `first` is the
-    /// energy of the start under the last weights, where that was found out.
-    pub(super) fn new(rounds: Vec<Round>, stationarity: &Stationarity, first: Option<f64>) -> Self {
-        let energy_of = |round: Option<&Round>, last: bool| {
-            let energies = round.map_or(&[][..], |round| &round.energies);
-            (if last { energies.last() } else { energies.first() }).copied().unwrap_or_default()
-        };
+    /// The report of an optimisation that took these rounds after some in preparation.
+    pub(super) fn new(
+        preparation: Vec<Round>,
+        rounds: Vec<Round>,
+        stationarity: &Stationarity,
+    ) -> Self {
+        let first = rounds.first().and_then(|round| round.energies.first());
+        let last = rounds.last().and_then(|round| round.energies.last());
+        let energy = [first, last].map(|energy| energy.copied().unwrap_or_default());
+        let status = rounds.last().map_or(Status::Empty, |round| round.status);
+        let prepared = preparation.len();
+        let rounds: Vec<Round> = preparation.into_iter().chain(rounds).collect();
         Self {
-            status: rounds.last().map_or(Status::Empty, |round| round.status),
+            status,
             iterations: rounds.iter().map(|round| round.energies.len() - 1).sum(),
-            energy: [
-                first.unwrap_or(energy_of(rounds.first(), false)),
-                energy_of(rounds.last(), true),
-            ],
+            energy,
             projected_gradient: stationarity.gradient_squared.sqrt(),
             projected_step_rms: stationarity.step_rms(),
             projected_step_max: stationarity.step_max,
             at_bound: stationarity.at_bound as f64 / stationarity.count.max(1) as f64,
             rounds,
+            prepared,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::energy::{Bending, Energy};
+use crate::energy::{Bending, Energy, Variation};
 use crate::error::Error;
 
 /// How the minimum is sought.
@@ -78,9 +78,16 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// The energy in force: [`Bending`] unless another one is asked for.
+    /// The energy in force: unless another one is asked for [`Variation`] with [`Preset::Exact`], else
+    /// [`Bending`].
     pub fn energy(&self) -> Energy {
-        self.energy.clone().unwrap_or_else(|| Bending.into())
+        match &self.energy {
+            Some(energy) => energy.clone(),
+            None if self.solver == Solver::Newton && self.preset == Preset::Exact => {
+                Variation.into()
+            }
+            None => Bending.into(),
+        }
     }
 
     /// The tolerance in force.

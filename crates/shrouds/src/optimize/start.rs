@@ -59,8 +59,10 @@ fn blur(surface: &Surface, spacing: [f64; 3], x: &mut [f32]) {
     });
 }
 
-/// Where a line from `low` to `high` passes 0, and not too near its ends. A thin part may blur away:
-/// then it passes beyond an end.
+/// Where a line from `low` to `high` passes 0, and not too near its ends. If it would pass far beyond
+/// them a thin part has blurred away, and the middle is as good as any.
 fn passing(low: i32, high: i32) -> f32 {
-    if low == high { 0.5 } else { (low as f32 / (low - high) as f32).clamp(0.02, 0.98) }
+    const FAR: f32 = 0.5;
+    let passing = low as f32 / (low - high) as f32;
+    if (-FAR..=1.0 + FAR).contains(&passing) { passing.clamp(0.02, 0.98) } else { 0.5 }
 }

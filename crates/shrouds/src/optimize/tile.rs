@@ -51,10 +51,10 @@ impl<'a> Tile<'a> {
         Self { whole, rows, piece, first, network }
     }
 
-    /// The positions of the tile's vertices among those of the whole surface.
-    pub(super) fn read(&self, x: &[f32]) -> Vec<f32> {
-        // Grid edges that leave the piece are no part of it, all others are.
-        let mut own = vec![0.5; self.piece.vertex_count()];
+    /// What is known of the tile's vertices, from that of the whole surface; `missing` for grid edges
+    /// that leave the piece there and not in the surface.
+    pub(super) fn read<T: Copy>(&self, x: &[T], missing: T) -> Vec<T> {
+        let mut own = vec![missing; self.piece.vertex_count()];
         self.for_each_row(|_, here, there| own[here].copy_from_slice(&x[there]));
         own
     }
@@ -166,7 +166,7 @@ mod tests {
             let mut back = vec![-1.0; x.len()];
             for rows in partition(&surface, 3000, true).into_iter().flatten() {
                 let tile = Tile::cut(&surface, rows);
-                let own = tile.read(&x);
+                let own = tile.read(&x, -2.0);
                 assert_eq!(own.len(), tile.network.vertex_count());
                 tile.write(&own, &mut back);
             }

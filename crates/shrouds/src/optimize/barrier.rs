@@ -1,0 +1,68 @@
+//! What keeps vertices off the ends of their grid edges, thin parts alive and flat faces flat.
+
+use crate::parallel;
+
+/// The largest strength that all vertices share.
+const SHARED_CAP: f64 = 0.01;
+/// Strength for each unit of the energy at the vertex itself where that is above 1, as on parts of one
+/// voxel; below, the share falls with the energy, so that smooth surfaces know nothing of it.
+const OWN_SHARE: f64 = 0.4;
+/// Strength at a vertex on a flat face along the grid.
+const ON_FLAT_FACES: f64 = 1.5;
+
+/// The sum of `−μ·log(4·x·(1 − x))` over the vertices, each with its own strength μ.
+///
+/// What energies and voxels leave open a vertex decides for the middle of its grid edge. The shared
+/// part of the strength follows the mean energy, which says how far the shape is from what the
+/// energy likes best. The others stand where an energy that falls with growing size would lift a
+/// part as far as it can: around parts about one voxel thin, which curve strongly, and on flat faces
+/// along the grid, whose borders do.
+pub(super) struct Barrier {
+    strengths: Vec<f32>,
+    is_set: bool,
+}
+
+impl Barrier {
+    pub(super) fn none(vertices: usize) -> Self {
+        Self { strengths: vec![0.0; vertices], is_set: false }
+    }
+
+    /// Sets the strengths for an energy that asks for a barrier of strength `shared` (see
+    /// [`CurveFormula::barrier`](crate::energy::CurveFormula::barrier)), for vertices that lie so
+    /// surely on flat faces and have these energies.
+    pub(super) fn set(
+        &mut self,
+        shared: f64,
+        flatness: &[f32],
+        energy_of: impl Fn(usize) -> f64 + Sync,
+    ) {
+        self.is_set = shared > 0.0;
+        if !self.is_set {
+            return;
+        }
+        let count = self.strengths.len();
+        let sum = parallel::sum_blocks(count, |range| range.map(&energy_of).sum::<f64>());
+        let shared = (shared * sum / count.max(1) as f64).min(SHARED_CAP);
+        parallel::fill(&mut self.strengths, |v| {
+            let energy = energy_of(v);
+            let own = OWN_SHARE * energy * energy.min(1.0);
+            (shared + own + ON_FLAT_FACES * f64::from(flatness[v])) as f32
+        });
+    }
+
+    pub(super) fn is_set(&self) -> bool {
+        self.is_set
+    }
+
+    pub(super) fn value(&self, v: usize, x: f64) -> f64 {
+        -f64::from(self.strengths[v]) * (4.0 * x * (1.0 - x)).ln()
+    }
+
+    /// Slope and curvature.
+    #[inline]
+    pub(super) fn slopes(&self, v: usize, x: f64) -> (f64, f64) {
+        let strength = f64::from(self.strengths[v]);
+        let (low, high) = (1.0 / x, 1.0 / (1.0 - x));
+        (strength * (high - low), strength * (low * low + high * high))
+    }
+}

@@ -1,0 +1,67 @@
+//! What the presets do.
+
+use crate::energy::{Bending, Energy, Support};
+use crate::optimize::conjugate::Effort;
+use crate::optimize::settings::{Preset, Settings};
+
+/// A part of the work, with one energy.
+pub(super) struct Stage {
+    pub(super) energy: Energy,
+    pub(super) passes: Passes,
+}
+
+/// Passes over the surface; weights and barrier are frozen anew for each, and a step is one of all
+/// vertices.
+#[derive(Clone, Copy)]
+pub(super) enum Passes {
+    /// The steps of every pass.
+    Fixed(&'static [&'static [Effort]]),
+    /// Passes until one finds next to nothing to do, with a tolerance for the root mean square of the
+    /// steps.
+    UntilConverged(f64),
+}
+
+/// Steps of a pass that is one of many. More would be wasted on weights that change anyway.
+pub(super) const STEPS: [Effort; 4] = [Effort {
+    segment: 100,
+    segments: 1,
+    reduction: 1e-2,
+    parts: &[1.0, 0.3, 0.1],
+    repairs: true,
+    converges: true,
+}; 4];
+
+const fn iterations(count: usize) -> Effort {
+    Effort {
+        segment: count,
+        segments: 1,
+        reduction: 1e-3,
+        parts: &[1.0],
+        repairs: true,
+        converges: false,
+    }
+}
+
+const FAST: Passes = Passes::Fixed(&[&[iterations(20)]]);
+// What goes wrong in the first step the next one mends.
+const FIRST: Effort = Effort { repairs: false, ..iterations(10) };
+const DEFAULT: Passes = Passes::Fixed(&[&[FIRST, iterations(20)], &[iterations(30)]]);
+
+/// The stages that lead to a minimum of the energy asked for.
+///
+/// An energy that looks at four vertices has flat valleys and local minima; it starts from the minimum
+/// of bending, which has few.
+pub(super) fn stages(settings: &Settings) -> Vec<Stage> {
+    let energy = settings.energy();
+    let passes = match settings.preset {
+        Preset::Fast => FAST,
+        Preset::Default => DEFAULT,
+        Preset::Exact => Passes::UntilConverged(settings.tolerance()),
+    };
+    let mut stages = Vec::new();
+    if energy.support() == Support::NextTwo {
+        stages.push(Stage { energy: Bending.into(), passes });
+    }
+    stages.push(Stage { energy, passes });
+    stages
+}

@@ -1,0 +1,59 @@
+//! Work on one tile.
+
+use crate::optimize::conjugate::Effort;
+use crate::optimize::newton::Newton;
+use crate::optimize::problem::{Conditions, Problem};
+use crate::optimize::real::Real;
+use crate::optimize::report::Stationarity;
+use crate::optimize::tile::Tile;
+
+/// What working on a tile brought.
+pub(super) struct Visit<R> {
+    pub(super) x: Vec<R>,
+    /// The energy of the tile's own vertices, for each pass that was made, before it and after every
+    /// step.
+    pub(super) energies: Vec<Vec<f64>>,
+    /// The sum of the squares of what the first step of the last pass moved, in edge lengths.
+    pub(super) first_move: f64,
+    pub(super) stationarity: Stationarity,
+    /// See [`Problem::slopes`].
+    pub(super) slopes: Vec<[f32; 2]>,
+}
+
+/// The steps of some passes, weights and barrier frozen anew for each. A pass ends early when a step
+/// moves the vertices by less than `least`, their root mean square.
+pub(super) fn visit<R: Real>(
+    tile: &Tile,
+    conditions: &Conditions,
+    passes: &[&[Effort]],
+    least: f64,
+    x: &[R],
+) -> Visit<R> {
+    let mut x = tile.read(x, R::from_f64(0.5));
+    let local = |factors: &[f32]| tile.read(factors, 0.0);
+    let mut problem = Problem::new(&tile.network, conditions, local);
+    problem.is_fixed = tile.is_fixed();
+    let mut newton = Newton::new(&tile.network);
+    let (mut energies, mut first_move) = (Vec::new(), 0.0);
+    for steps in passes {
+        problem.freeze_weights(&x);
+        let mut energy = newton.model.linearise_with_new_barrier(&mut problem, &x);
+        let mut own = vec![energy.own];
+        first_move = 0.0;
+        for (n, effort) in steps.iter().enumerate() {
+            let Some(step) = newton.step(&problem, &mut x, energy, effort) else { break };
+            energy = step.value;
+            own.push(energy.own);
+            if n == 0 {
+                first_move = step.moved;
+            }
+            if step.moved <= least * least * x.len() as f64 {
+                break;
+            }
+        }
+        energies.push(own);
+    }
+    let stationarity = Stationarity::of(&newton.model, &x, problem.bounds, &problem.is_fixed);
+    let slopes = problem.slopes(&x);
+    Visit { x, energies, first_move, stationarity, slopes }
+}
