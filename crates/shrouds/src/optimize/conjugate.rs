@@ -170,12 +170,11 @@ impl Workspace {
         let (direction, images) = (&self.direction, &self.place_images);
         parallel::update_blocks(&mut self.image, NONE, |first, image, []| {
             let count = image.len();
-            let places = &network.places()[first..][..count];
             let diagonal = &model.diagonals()[first..][..count];
             let direction = &direction[first..][..count];
-            for n in 0..count {
-                let [a, b] = places[n];
-                image[n] = diagonal[n] * direction[n] + (images[a as usize] + images[b as usize]);
+            let at_vertices = network.at_vertices(first..first + count, images);
+            for (n, [a, b]) in at_vertices.enumerate() {
+                image[n] = diagonal[n] * direction[n] + (a + b);
             }
             dot(image, direction)
         })
@@ -219,11 +218,10 @@ impl Workspace {
         model.images(network, &self.step, &mut self.place_images);
         let (step, inverse, images) = (&self.step, &self.inverse, &self.place_images);
         parallel::update_blocks(&mut self.residual, NONE, |first, residual, []| {
-            for (n, residual) in residual.iter_mut().enumerate() {
+            let at_vertices = network.at_vertices(first..first + residual.len(), images);
+            for ((n, residual), [a, b]) in residual.iter_mut().enumerate().zip(at_vertices) {
                 let v = first + n;
-                let [a, b] = network.places()[v];
-                let image =
-                    model.diagonals()[v] * step[v] + (images[a as usize] + images[b as usize]);
+                let image = model.diagonals()[v] * step[v] + (a + b);
                 *residual = if inverse[v] > 0.0 { -model.gradient(v) as f32 - image } else { 0.0 };
             }
             norm(residual, &inverse[first..])

@@ -77,15 +77,18 @@ impl<R: Real> Model<R> {
     /// Gradient and diagonal from the parts at both places of every vertex and the barrier.
     fn gather(&mut self, problem: &Problem<R>, x: &[R], parts: &Parts<R>) {
         let Parts { slopes, squares, .. } = parts;
-        let places = problem.network.places();
+        let network = problem.network;
         let diagonal = [&mut self.diagonal[..]];
         parallel::update_blocks(&mut self.gradient, diagonal, |first, gradient, [diagonal]| {
-            for (n, (gradient, diagonal)) in gradient.iter_mut().zip(diagonal).enumerate() {
-                let [a, b] = places[first + n];
-                let (a, b) = (a as usize, b as usize);
-                let (slope, curvature) = problem.barrier.slopes(x[first + n].to_f64());
-                *gradient = R::from_f64(slope) + slopes[a] + slopes[b];
-                *diagonal = curvature as f32 + squares[a] + squares[b];
+            let range = first..first + gradient.len();
+            let parts = network
+                .at_vertices(range.clone(), slopes)
+                .zip(network.at_vertices(range.clone(), squares));
+            let sums = gradient.iter_mut().zip(diagonal);
+            for (((gradient, diagonal), &x), (slopes, squares)) in sums.zip(&x[range]).zip(parts) {
+                let (slope, curvature) = problem.barrier.slopes(x.to_f64());
+                *gradient = R::from_f64(slope) + slopes[0] + slopes[1];
+                *diagonal = curvature as f32 + squares[0] + squares[1];
             }
             0.0
         });
@@ -120,8 +123,9 @@ impl<R: Real> Model<R> {
             for start in (first.max(REPEATED)..end).step_by(STRIP) {
                 let count = STRIP.min(end - start);
                 let window = start - REPEATED..start + count + REPEATED;
-                for (value, &v) in gathered.iter_mut().zip(&network.vertices()[window]) {
-                    *value = vector[v as usize];
+                for (value, at_place) in gathered.iter_mut().zip(network.at_places(window, vector))
+                {
+                    *value = at_place;
                 }
                 let out = &mut images[start - first..][..count];
                 let (near, before) =

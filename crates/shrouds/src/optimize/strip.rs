@@ -92,8 +92,8 @@ impl<R: Real, const LENGTH: usize> Strip<R, LENGTH> {
         x: &[R],
     ) {
         let positions = self.positions[at..].iter_mut();
-        for (position, &v) in positions.zip(&network.vertices()[places.clone()]) {
-            *position = x[v as usize];
+        for (position, x) in positions.zip(network.at_places(places.clone(), x)) {
+            *position = x;
         }
         // Planes of one family follow each other, so there is mostly one family.
         for (first, steps) in families(&network.steps()[places]) {
