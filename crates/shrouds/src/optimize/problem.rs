@@ -29,7 +29,7 @@ pub(super) struct Conditions<'a> {
 pub(super) struct Problem<'a, R> {
     pub(super) network: &'a Network,
     pub(super) energy: &'a dyn CurveEnergy,
-    lengths: Lengths<R>,
+    pub(super) lengths: Lengths<R>,
     pub(super) bounds: [R; 2],
     /// Weight of ρ at each vertex on both of its curves, but for the distance of the slices; 0 where
     /// a neighbour is missing.
@@ -262,29 +262,30 @@ impl<'a, R: Real> Problem<'a, R> {
         for start in (range.start.max(REPEATED)..end).step_by(STRIP) {
             let places = start..end.min(start + STRIP);
             let loaded = places.start - REPEATED..places.end + REPEATED;
-            self.load(&mut strip, x, 0, loaded, with_weights);
+            self.load(&mut strip, x, loaded, with_weights);
             f(&strip, places);
         }
     }
 
-    /// Loads some places to a strip from index `at` on, with their weights if those are wanted.
+    /// Loads some places to a strip, with their weights if those are wanted.
     #[inline]
-    pub(super) fn load<const LENGTH: usize>(
-        &self,
-        strip: &mut Strip<R, LENGTH>,
-        x: &[R],
-        at: usize,
-        places: Range<usize>,
-        with_weights: bool,
-    ) {
-        strip.load(at, self.network, places.clone(), &self.lengths, x);
+    fn load(&self, strip: &mut Strip<R>, x: &[R], places: Range<usize>, with_weights: bool) {
+        strip.load(self.network, places.clone(), &self.lengths, x);
         if with_weights {
             let steps = &self.network.steps()[places.clone()];
-            for (n, (&v, &step)) in self.network.vertices()[places].iter().zip(steps).enumerate() {
+            let weights = self.network.at_places(places, &self.weights);
+            for (n, (weights, step)) in weights.zip(steps).enumerate() {
                 let distance = self.lengths.between_planes(step.normal());
-                strip.set_weight(at + n, self.weights[v as usize][step.curve()] * distance);
+                strip.set_weight(n, weights[step.curve()] * distance);
             }
         }
+    }
+
+    /// Weight of ρ at a place.
+    #[inline(always)]
+    pub(super) fn weight(&self, place: usize) -> R {
+        let (v, step) = (self.network.vertices()[place], self.network.steps()[place]);
+        self.weights[v as usize][step.curve()] * self.lengths.between_planes(step.normal())
     }
 
     /// A mark for every place: `mark` of the smaller squared length of the chords before and after it
