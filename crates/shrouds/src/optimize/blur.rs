@@ -64,11 +64,28 @@ pub(super) struct Blur<'a> {
     flat: Vec<Flat>,
 }
 
-/// A slice blurred along x and y, as far as it was needed.
+/// A slice blurred along x, and along x and y, as far as it was needed.
 struct Flat {
     slice: usize,
+    along_x: Words,
+    along_both: Words,
+}
+
+/// The words of a slice that are known so far.
+struct Words {
     known: Vec<bool>,
     values: Vec<Values>,
+}
+
+impl Words {
+    fn new(count: usize) -> Self {
+        Self { known: vec![false; count], values: vec![[0; WORD]; count] }
+    }
+
+    /// Whether a word is not known yet; from now on it is.
+    fn is_new(&mut self, index: usize) -> bool {
+        !std::mem::replace(&mut self.known[index], true)
+    }
 }
 
 impl<'a> Blur<'a> {
@@ -78,8 +95,8 @@ impl<'a> Blur<'a> {
         let words = nx.div_ceil(WORD);
         let flat = || Flat {
             slice: usize::MAX,
-            known: vec![false; words * ny],
-            values: vec![[0; WORD]; words * ny],
+            along_x: Words::new(words * ny),
+            along_both: Words::new(words * ny),
         };
         let count = 2 * REACH + 1;
         Self {
@@ -104,17 +121,23 @@ impl<'a> Blur<'a> {
 
     /// Blurs slice `k`.
     pub(super) fn fill(&mut self, k: usize, slice: &mut [Values]) {
-        let [_, ny, nz] = self.volume.grid().dims();
+        let volume = self.volume;
+        let [_, ny, nz] = volume.grid().dims();
         for j in 0..ny {
-            for w in 0..self.words {
-                if !self.is_near(j, k, w) {
-                    continue;
-                }
+            let row = volume.row(j, k);
+            let beside = [
+                volume.row(j.saturating_sub(1), k),
+                volume.row((j + 1).min(ny - 1), k),
+                volume.row(j, k.saturating_sub(1)),
+                volume.row(j, (k + 1).min(nz - 1)),
+            ];
+            for w in (0..self.words).filter(|&w| is_near(row, beside, w)) {
                 let near = neighbours(k, nz, self.border);
                 for k in near.into_iter().flatten() {
                     self.flatten(j, k, w);
                 }
-                let values = near.map(|k| k.map(|k| &self.flat(k).values[j * self.words + w]));
+                let values =
+                    near.map(|k| k.map(|k| &self.flat(k).along_both.values[j * self.words + w]));
                 weighted(self.filter.z, &values, &mut slice[j * self.words + w]);
             }
         }
@@ -124,24 +147,6 @@ impl<'a> Blur<'a> {
         &self.flat[k % self.flat.len()]
     }
 
-    /// Whether word `w` of row `(j, k)` holds an end of a crossed grid edge.
-    fn is_near(&self, j: usize, k: usize, w: usize) -> bool {
-        let [_, ny, nz] = self.volume.grid().dims();
-        let rows = [
-            (j.saturating_sub(1), k),
-            ((j + 1).min(ny - 1), k),
-            (j, k.saturating_sub(1)),
-            (j, (k + 1).min(nz - 1)),
-        ];
-        let row = self.volume.row(j, k);
-        let here = row[w];
-        // A crossing along x reaches over a word's border.
-        let mixed = here != 0 && here != u64::MAX;
-        let beside = w + 1 < row.len() && (here >> 63) != (row[w + 1] & 1)
-            || w > 0 && (here & 1) != (row[w - 1] >> 63);
-        mixed || beside || rows.iter().any(|&(j, k)| self.volume.row(j, k)[w] != here)
-    }
-
     /// Blurs word `w` of row `(j, k)` along x and y, if that was not done yet.
     fn flatten(&mut self, j: usize, k: usize, w: usize) {
         let count = self.flat.len();
@@ -149,17 +154,35 @@ impl<'a> Blur<'a> {
         let flat = &mut self.flat[k % count];
         if flat.slice != k {
             flat.slice = k;
-            flat.known.fill(false);
+            flat.along_x.known.fill(false);
+            flat.along_both.known.fill(false);
         }
-        if std::mem::replace(&mut flat.known[index], true) {
+        if !flat.along_both.is_new(index) {
             return;
         }
         let [nx, ny, _] = self.volume.grid().dims();
-        let rows = neighbours(j, ny, self.border).map(|j| {
-            j.map(|j| along_row(&self.filter.table, self.volume.row(j, k), w, nx, self.border))
-        });
-        weighted(self.filter.y, &rows.each_ref().map(Option::as_ref), &mut flat.values[index]);
+        let rows = neighbours(j, ny, self.border);
+        for j in rows.into_iter().flatten() {
+            let index = j * self.words + w;
+            if flat.along_x.is_new(index) {
+                let row = self.volume.row(j, k);
+                flat.along_x.values[index] = along_row(&self.filter.table, row, w, nx, self.border);
+            }
+        }
+        let rows = rows.map(|j| j.map(|j| &flat.along_x.values[j * self.words + w]));
+        weighted(self.filter.y, &rows, &mut flat.along_both.values[index]);
     }
+}
+
+/// Whether word `w` of a row with these four beside it holds an end of a crossed grid edge.
+#[inline(always)]
+fn is_near(row: &[u64], beside: [&[u64]; 4], w: usize) -> bool {
+    let here = row[w];
+    // A crossing along x reaches over a word's border.
+    let crosses_border = w + 1 < row.len() && (here >> 63) != (row[w + 1] & 1)
+        || w > 0 && (here & 1) != (row[w - 1] >> 63);
+    let mixed = here != 0 && here != u64::MAX;
+    mixed || crosses_border || beside.iter().any(|row| row[w] != here)
 }
 
 /// The indices around `at` in a row of `count`: none beyond a closed border, the last ones again
