@@ -74,9 +74,9 @@ impl Workspace {
         }
     }
 
-    /// The step of vertex `v` that the last call of [`Workspace::solve`] found.
-    pub(super) fn step(&self, v: usize) -> f64 {
-        f64::from(self.step[v])
+    /// The steps of all vertices that the last call of [`Workspace::solve`] found.
+    pub(super) fn steps(&self) -> &[f32] {
+        &self.step
     }
 
     /// Minimises the model over steps within the room, approximately.

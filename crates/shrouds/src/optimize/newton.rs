@@ -6,7 +6,7 @@ use crate::optimize::model::Model;
 use crate::optimize::problem::{Energy, Problem};
 use crate::optimize::real::Real;
 use crate::optimize::univariate;
-use crate::parallel;
+use crate::parallel::{self, NONE};
 
 /// Chords below this part of the smallest spacing get a repair: there the linearised energy, whose
 /// derivatives grow with the inverse of the length, is worth little.
@@ -42,11 +42,13 @@ impl<R: Real> Newton<R> {
         effort: &Effort,
     ) -> Option<Energy> {
         self.workspace.solve(&self.model, problem.network, &room(problem, x), effort);
-        let workspace = &self.workspace;
         let [low, high] = problem.bounds.map(R::to_f64);
-        let mut together = vec![R::default(); x.len()];
-        parallel::fill(&mut together, |v| {
-            R::from_f64((x[v].to_f64() + workspace.step(v)).clamp(low, high))
+        let mut together = x.clone();
+        parallel::update_blocks(&mut together, NONE, |first, together, []| {
+            for (x, &step) in together.iter_mut().zip(&self.workspace.steps()[first..]) {
+                *x = R::from_f64((x.to_f64() + f64::from(step)).clamp(low, high));
+            }
+            0.0
         });
         if effort.repairs {
             let awkward = if effort.converges { self.awkward(problem, x) } else { Vec::new() };

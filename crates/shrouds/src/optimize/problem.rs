@@ -31,12 +31,12 @@ pub(super) struct Problem<'a, R> {
     pub(super) energy: &'a dyn CurveEnergy,
     pub(super) lengths: Lengths<R>,
     pub(super) bounds: [R; 2],
-    /// Weight of ρ at each vertex on both of its curves, but for the distance of the slices; 0 where
-    /// a neighbour is missing.
-    weights: Vec<[R; 2]>,
+    /// Weight of ρ at each place; 0 where a neighbour is missing.
+    weights: Vec<R>,
     pub(super) barrier: Barrier,
-    /// Whether a vertex must stay where it is.
+    /// Whether a vertex must stay where it is, and whether there is one that must.
     pub(super) is_fixed: Vec<bool>,
+    has_fixed: bool,
 }
 
 /// The energy of a problem, and the part of it that stands at vertices that are not fixed.
@@ -84,12 +84,19 @@ impl<'a, R: Real> Problem<'a, R> {
             energy: conditions.energy,
             lengths: Lengths::new(conditions.spacing),
             bounds: conditions.bounds.map(R::from_f64),
-            weights: vec![[R::default(); 2]; network.vertex_count()],
+            weights: vec![R::default(); network.vertices().len()],
             barrier: Barrier(0.0),
             is_fixed: vec![false; network.vertex_count()],
+            has_fixed: false,
         };
-        problem.set_weights(|_| [R::from_f64(1.0); 2]);
+        problem.set_weights(&vec![[R::from_f64(1.0); 2]; network.vertex_count()]);
         problem
+    }
+
+    /// Lets some vertices stay where they are.
+    pub(super) fn fix(&mut self, is_fixed: Vec<bool>) {
+        self.has_fixed = is_fixed.contains(&true);
+        self.is_fixed = is_fixed;
     }
 
     pub(super) fn vertex_count(&self) -> usize {
@@ -117,16 +124,21 @@ impl<'a, R: Real> Problem<'a, R> {
         }
         // With slopes s of the two curves the normal is (−1, s₁, s₀) along the grid edge and along the
         // normals of curves 0 and 1.
-        let (network, slopes) = (self.network, self.place_slopes(x));
-        self.set_weights(|v| {
-            let [a, b] = [slopes[network.place(v, 0)], slopes[network.place(v, 1)]];
-            let (a, b, one) = (a * a, b * b, R::from_f64(1.0));
-            let inverse = one / (one + a + b);
-            let least = R::from_f64(LEAST_WEIGHT);
-            let weight =
-                |share: R| power_of_root(if share > least { share } else { least }, exponent);
-            [weight((one + a) * inverse), weight((one + b) * inverse)]
+        let of_places = self.place_slopes(x);
+        let mut factors = vec![[R::default(); 2]; x.len()];
+        parallel::update_blocks(&mut factors, NONE, |first, factors, []| {
+            let slopes = self.network.at_vertices(first..first + factors.len(), &of_places);
+            for (factors, [a, b]) in factors.iter_mut().zip(slopes) {
+                let (a, b, one) = (a * a, b * b, R::from_f64(1.0));
+                let inverse = one / (one + a + b);
+                let least = R::from_f64(LEAST_WEIGHT);
+                let weight =
+                    |share: R| power_of_root(if share > least { share } else { least }, exponent);
+                *factors = [weight((one + a) * inverse), weight((one + b) * inverse)];
+            }
+            0.0
         });
+        self.set_weights(&factors);
     }
 
     /// The slopes of both curves of every vertex over its grid edge: how far their tangents run along
@@ -135,10 +147,12 @@ impl<'a, R: Real> Problem<'a, R> {
     pub(super) fn slopes(&self, x: &[R]) -> Vec<[f32; 2]> {
         let of_places = self.place_slopes(x);
         let mut slopes = vec![[0.0; 2]; x.len()];
-        parallel::fill(&mut slopes, |v| {
-            let [a, b] = self.network.places()[v];
-            let slopes = [of_places[a as usize], of_places[b as usize]];
-            slopes.map(|slope| slope.to_f64().clamp(-STEEPEST, STEEPEST) as f32)
+        parallel::update_blocks(&mut slopes, NONE, |first, slopes, []| {
+            let found = self.network.at_vertices(first..first + slopes.len(), &of_places);
+            for (slopes, found) in slopes.iter_mut().zip(found) {
+                *slopes = found.map(|slope| slope.to_f64().clamp(-STEEPEST, STEEPEST) as f32);
+            }
+            0.0
         });
         slopes
     }
@@ -166,19 +180,22 @@ impl<'a, R: Real> Problem<'a, R> {
         slopes
     }
 
-    /// Weighs each place by a factor of its vertex, and by nothing where its curve ends.
-    fn set_weights(&mut self, factors: impl Fn(u32) -> [R; 2] + Sync) {
-        let network = self.network;
-        let is_within = |place: usize| {
-            network.steps()[place - 1].is_linked() && network.steps()[place].is_linked()
-        };
-        parallel::fill(&mut self.weights, |v| {
-            let v = v as u32;
-            let [a, b] = factors(v);
-            [
-                if is_within(network.place(v, 0)) { a } else { R::default() },
-                if is_within(network.place(v, 1)) { b } else { R::default() },
-            ]
+    /// Weighs each place by the distance of the planes and the factor of its vertex for its curve,
+    /// and by nothing where its curve ends.
+    fn set_weights(&mut self, factors: &[[R; 2]]) {
+        let (network, lengths) = (self.network, &self.lengths);
+        parallel::update_blocks(&mut self.weights, NONE, |first, weights, []| {
+            let range = first..first + weights.len();
+            let mut is_linked = first > 0 && network.steps()[first - 1].is_linked();
+            let places =
+                network.steps()[range.clone()].iter().zip(network.at_places(range, factors));
+            for (weight, (step, [a, b])) in weights.iter_mut().zip(places) {
+                let was_linked = std::mem::replace(&mut is_linked, step.is_linked());
+                let factor = if step.curve() == 0 { a } else { b };
+                let full = factor * lengths.between_planes(step.normal());
+                *weight = if was_linked && is_linked { full } else { R::default() };
+            }
+            0.0
         });
     }
 
@@ -212,15 +229,17 @@ impl<'a, R: Real> Problem<'a, R> {
     /// The sum of the values of a range of places, those that repeat others left out.
     pub(super) fn sum_over_curves(&self, range: Range<usize>, values: &[R]) -> Energy {
         let first = range.start;
-        let vertices = self.network.vertices();
         let part = |part: Range<usize>| {
-            let mut sum = Energy::default();
-            for (value, &v) in values[part.start - first..].iter().zip(&vertices[part]) {
-                let value = value.to_f64();
-                sum.all += value;
-                sum.own += if self.is_fixed[v as usize] { 0.0 } else { value };
-            }
-            sum
+            let values = &values[part.start - first..part.end - first];
+            let all = sum_of(values);
+            let fixed: f64 = if self.has_fixed {
+                let is_fixed = self.network.at_places(part, &self.is_fixed);
+                let fixed = values.iter().zip(is_fixed).filter(|(_, is_fixed)| *is_fixed);
+                fixed.map(|(value, _)| value.to_f64()).sum()
+            } else {
+                0.0
+            };
+            Energy { all, own: all - fixed }
         };
         self.network.curve_parts(range).map(part).sum()
     }
@@ -272,20 +291,14 @@ impl<'a, R: Real> Problem<'a, R> {
     fn load(&self, strip: &mut Strip<R>, x: &[R], places: Range<usize>, with_weights: bool) {
         strip.load(self.network, places.clone(), &self.lengths, x);
         if with_weights {
-            let steps = &self.network.steps()[places.clone()];
-            let weights = self.network.at_places(places, &self.weights);
-            for (n, (weights, step)) in weights.zip(steps).enumerate() {
-                let distance = self.lengths.between_planes(step.normal());
-                strip.set_weight(n, weights[step.curve()] * distance);
-            }
+            strip.load_weights(&self.weights[places]);
         }
     }
 
     /// Weight of ρ at a place.
     #[inline(always)]
     pub(super) fn weight(&self, place: usize) -> R {
-        let (v, step) = (self.network.vertices()[place], self.network.steps()[place]);
-        self.weights[v as usize][step.curve()] * self.lengths.between_planes(step.normal())
+        self.weights[place]
     }
 
     /// A mark for every place: `mark` of the smaller squared length of the chords before and after it
@@ -356,6 +369,19 @@ fn slopes_along<R: Real>(strip: &Strip<R>, n: usize) -> Lanes<R> {
         slopes[l] = along / across;
     }
     slopes
+}
+
+/// The sum in double precision, in partial sums side by side.
+fn sum_of<R: Real>(values: &[R]) -> f64 {
+    let mut sums = [0.0; LANES];
+    let chunks = values.chunks_exact(LANES);
+    let rest: f64 = chunks.remainder().iter().map(|value| value.to_f64()).sum();
+    for chunk in chunks {
+        for (sum, value) in sums.iter_mut().zip(chunk) {
+            *sum += value.to_f64();
+        }
+    }
+    sums.into_iter().sum::<f64>() + rest
 }
 
 /// The square root of `x` to a power.

@@ -122,7 +122,7 @@ pub(super) fn relax(
 fn visit(tile: &Tile, conditions: &Conditions, passes: &[&[Effort]], x: &[f32]) -> Visit {
     let mut x = tile.read(x);
     let mut problem = Problem::new(&tile.network, conditions);
-    problem.is_fixed = tile.is_fixed();
+    problem.fix(tile.is_fixed());
     let mut newton = Newton::new(&tile.network);
     let mut energies = Vec::new();
     for steps in passes {

@@ -120,10 +120,10 @@ impl<R: Real> Strip<R> {
         }
     }
 
-    /// Sets the weight of the place at index `n`.
+    /// Sets the weights of the places.
     #[inline(always)]
-    pub(super) fn set_weight(&mut self, n: usize, weight: R) {
-        self.weight[n] = weight;
+    pub(super) fn load_weights(&mut self, weights: &[R]) {
+        self.weight[..weights.len()].copy_from_slice(weights);
     }
 
     /// The vectors from the places at `n` and the next ones to their successors.
