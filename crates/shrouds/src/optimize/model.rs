@@ -109,6 +109,10 @@ impl<R: Real> Model<R> {
         f64::from(self.diagonal[v])
     }
 
+    pub(super) fn gradients(&self) -> &[R] {
+        &self.gradient
+    }
+
     pub(super) fn diagonals(&self) -> &[f32] {
         &self.diagonal
     }
