@@ -96,17 +96,12 @@ fn repair<R: Real>(problem: &Problem<R>, x: &mut [R], awkward: &[u32]) {
     let marks = problem.mark_places(x, |squared_length, cosine| {
         u8::from(squared_length < SHORT_CHORD * SHORT_CHORD) | u8::from(cosine < SHARP_TURN) << 1
     });
-    for (v, places) in problem.network.places().iter().enumerate() {
-        let mark = places.iter().fold(0, |mark, &place| mark | marks[place as usize]);
-        if problem.is_fixed[v] {
-            continue;
-        }
+    let marks = problem.network.at_vertices(0..x.len(), &marks).map(|[a, b]| a | b);
+    for (v, mark) in marks.enumerate().filter(|&(v, mark)| mark != 0 && !problem.is_fixed[v]) {
         if mark & 2 != 0 {
             univariate::scan(problem, x, v as u32);
         }
-        if mark != 0 {
-            univariate::step(problem, x, v as u32);
-        }
+        univariate::step(problem, x, v as u32);
     }
     for _ in 0..AWKWARD_SWEEPS {
         for &v in awkward.iter().filter(|&&v| !problem.is_fixed[v as usize]) {
