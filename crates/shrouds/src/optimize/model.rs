@@ -135,7 +135,8 @@ impl<R: Real> Model<R> {
                 let (near, before) =
                     (&self.near[start..][..count], &self.near[start - 1..][..count]);
                 let (far, behind) = (&self.far[start..][..count], &self.far[start - 2..][..count]);
-                let [a, b, c, d] = [0, 1, 3, 4].map(|shift| &gathered[shift..][..count]);
+                let (a, b) = (&gathered[..count], &gathered[1..][..count]);
+                let (c, d) = (&gathered[3..][..count], &gathered[4..][..count]);
                 for n in 0..count {
                     out[n] = behind[n] * a[n] + before[n] * b[n] + near[n] * c[n] + far[n] * d[n];
                 }
