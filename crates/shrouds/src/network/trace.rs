@@ -55,7 +55,13 @@ struct Links {
 impl Family {
     fn trace(surface: &Surface, normal: usize) -> Self {
         let mut links = Links::find(surface, normal);
-        let mut family = Self::default();
+        // At most every vertex, and what repeats the ends of curves.
+        let count = surface.vertex_count();
+        let mut family = Self {
+            vertices: Vec::with_capacity(count),
+            steps: Vec::with_capacity(count),
+            starts: Vec::new(),
+        };
         if surface.border() == Border::Open {
             for start in links.open_ends() {
                 family.walk(&mut links, start);

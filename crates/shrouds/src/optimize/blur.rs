@@ -71,20 +71,38 @@ struct Flat {
     along_both: Words,
 }
 
-/// The words of a slice that are known so far.
-struct Words {
-    known: Vec<bool>,
+/// The values of some words of a slice.
+pub(super) struct Words {
+    /// For every word where its values are; [`NOWHERE`] if they are not known.
+    at: Vec<u32>,
     values: Vec<Values>,
 }
 
+const NOWHERE: u32 = u32::MAX;
+
 impl Words {
     fn new(count: usize) -> Self {
-        Self { known: vec![false; count], values: vec![[0; WORD]; count] }
+        Self { at: vec![NOWHERE; count], values: Vec::new() }
     }
 
-    /// Whether a word is not known yet; from now on it is.
-    fn is_new(&mut self, index: usize) -> bool {
-        !std::mem::replace(&mut self.known[index], true)
+    fn clear(&mut self) {
+        self.at.fill(NOWHERE);
+        self.values.clear();
+    }
+
+    fn is_known(&self, index: usize) -> bool {
+        self.at[index] != NOWHERE
+    }
+
+    /// The values of a known word.
+    #[inline(always)]
+    fn of(&self, index: usize) -> &Values {
+        &self.values[self.at[index] as usize]
+    }
+
+    fn insert(&mut self, index: usize, values: Values) {
+        self.at[index] = self.values.len() as u32;
+        self.values.push(values);
     }
 }
 
@@ -109,18 +127,19 @@ impl<'a> Blur<'a> {
     }
 
     /// A slice to blur into.
-    pub(super) fn slice(&self) -> Vec<Values> {
-        vec![[0; WORD]; self.words * self.volume.grid().dims()[1]]
+    pub(super) fn slice(&self) -> Words {
+        Words::new(self.words * self.volume.grid().dims()[1])
     }
 
     /// The blurred value of point `i` of row `j` of a slice.
     #[inline(always)]
-    pub(super) fn value(&self, slice: &[Values], i: usize, j: usize) -> i32 {
-        i32::from(slice[j * self.words + i / WORD][i % WORD])
+    pub(super) fn value(&self, slice: &Words, i: usize, j: usize) -> i32 {
+        i32::from(slice.of(j * self.words + i / WORD)[i % WORD])
     }
 
     /// Blurs slice `k`.
-    pub(super) fn fill(&mut self, k: usize, slice: &mut [Values]) {
+    pub(super) fn fill(&mut self, k: usize, slice: &mut Words) {
+        slice.clear();
         let volume = self.volume;
         let [_, ny, nz] = volume.grid().dims();
         for j in 0..ny {
@@ -136,9 +155,9 @@ impl<'a> Blur<'a> {
                 for k in near.into_iter().flatten() {
                     self.flatten(j, k, w);
                 }
-                let values =
-                    near.map(|k| k.map(|k| &self.flat(k).along_both.values[j * self.words + w]));
-                weighted(self.filter.z, &values, &mut slice[j * self.words + w]);
+                let index = j * self.words + w;
+                let values = near.map(|k| k.map(|k| self.flat(k).along_both.of(index)));
+                slice.insert(index, weighted(self.filter.z, &values));
             }
         }
     }
@@ -154,23 +173,24 @@ impl<'a> Blur<'a> {
         let flat = &mut self.flat[k % count];
         if flat.slice != k {
             flat.slice = k;
-            flat.along_x.known.fill(false);
-            flat.along_both.known.fill(false);
+            flat.along_x.clear();
+            flat.along_both.clear();
         }
-        if !flat.along_both.is_new(index) {
+        if flat.along_both.is_known(index) {
             return;
         }
         let [nx, ny, _] = self.volume.grid().dims();
         let rows = neighbours(j, ny, self.border);
         for j in rows.into_iter().flatten() {
             let index = j * self.words + w;
-            if flat.along_x.is_new(index) {
+            if !flat.along_x.is_known(index) {
                 let row = self.volume.row(j, k);
-                flat.along_x.values[index] = along_row(&self.filter.table, row, w, nx, self.border);
+                let values = along_row(&self.filter.table, row, w, nx, self.border);
+                flat.along_x.insert(index, values);
             }
         }
-        let rows = rows.map(|j| j.map(|j| &flat.along_x.values[j * self.words + w]));
-        weighted(self.filter.y, &rows, &mut flat.along_both.values[index]);
+        let rows = rows.map(|j| j.map(|j| flat.along_x.of(j * self.words + w)));
+        flat.along_both.insert(index, weighted(self.filter.y, &rows));
     }
 }
 
@@ -199,12 +219,14 @@ fn neighbours(at: usize, count: usize, border: Border) -> [Option<usize>; 5] {
 
 /// The weighted sum of five words of values, absent ones being 0.
 #[inline(always)]
-fn weighted([near, next, far]: Weights, values: &[Option<&Values>; 5], sum: &mut Values) {
+fn weighted([near, next, far]: Weights, values: &[Option<&Values>; 5]) -> Values {
     const NOTHING: Values = [0; WORD];
     let [a, b, c, d, e] = values.map(|values| values.unwrap_or(&NOTHING));
+    let mut sum = NOTHING;
     for n in 0..WORD {
         sum[n] = far * (a[n] + e[n]) + next * (b[n] + d[n]) + near * c[n];
     }
+    sum
 }
 
 /// Word `w` of a row of `nx` lattice points, blurred along the row.
