@@ -55,7 +55,7 @@ struct Links {
 impl Family {
     fn trace(surface: &Surface, normal: usize) -> Self {
         let mut links = Links::find(surface, normal);
-        // At most every vertex, and what repeats the ends of curves.
+        // Room for every vertex: memory that is not touched costs nothing.
         let count = surface.vertex_count();
         let mut family = Self {
             vertices: Vec::with_capacity(count),

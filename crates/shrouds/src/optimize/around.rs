@@ -30,8 +30,10 @@ impl<R: Real> Around<'_, R> {
     pub(super) fn at(&mut self, x: R) -> Univariate {
         let Stencil { points, moves } = &mut self.stencils;
         for lane in CURVES {
-            for (n, k) in [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)] {
-                points[2 - n][k][lane + n] = x * moves[2 - n][k][lane + n];
+            for n in 0..3 {
+                for k in 0..2 {
+                    points[2 - n][k][lane + n] = x * moves[2 - n][k][lane + n];
+                }
             }
         }
         let term = R::terms(self.energy, &self.stencils);
@@ -71,9 +73,11 @@ impl<R: Real> Problem<'_, R> {
             for n in 0..3 {
                 let lane = first + n;
                 weights[lane] = self.weight(place - 1 + n);
-                for (m, k) in [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)] {
-                    stencils.points[m][k][lane] = points[n + m][k];
-                    stencils.moves[m][k][lane] = moves[n + m][k];
+                for m in 0..3 {
+                    for k in 0..2 {
+                        stencils.points[m][k][lane] = points[n + m][k];
+                        stencils.moves[m][k][lane] = moves[n + m][k];
+                    }
                 }
             }
         }
