@@ -21,6 +21,7 @@
 //! documentation names, and `tests/layering.rs` holds them to it.
 
 mod error;
+mod gather;
 mod parallel;
 mod random;
 mod vector;

@@ -9,13 +9,14 @@ use std::path::{Path, PathBuf};
 /// Each module with what it may use. A path allows everything below it.
 const ARROWS: &[(&str, &[&str])] = &[
     ("error", &[]),
+    ("gather", &[]),
     ("parallel", &[]),
     ("random", &[]),
     ("vector", &[]),
     ("grid", &["error"]),
     ("volume", &["grid", "error", "parallel", "random"]),
     ("surface", &["grid", "volume", "error", "parallel"]),
-    ("network", &["surface", "volume", "error", "parallel"]),
+    ("network", &["surface", "volume", "error", "gather", "parallel"]),
     ("energy", &[]),
     (
         "optimize",

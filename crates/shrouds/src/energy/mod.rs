@@ -156,17 +156,6 @@ impl<F: CurveFormula> CurveEnergy for F {
 }
 
 impl<T: Copy> Stencil<T> {
-    /// A stencil of what `f` makes of the numbers of two.
-    #[inline(always)]
-    pub(crate) fn zip<U>(&self, other: &Self, f: impl Fn(T, T) -> U) -> Stencil<U> {
-        let two = |a: Point2<T>, b: Point2<T>| [0, 1].map(|k| f(a[k], b[k]));
-        let four = |a: &[Point2<T>; 4], b: &[Point2<T>; 4]| [0, 1, 2, 3].map(|n| two(a[n], b[n]));
-        Stencil {
-            points: four(&self.points, &other.points),
-            moves: four(&self.moves, &other.moves),
-        }
-    }
-
     #[inline(always)]
     fn map<U>(&self, f: impl Fn(T) -> U) -> Stencil<U> {
         let two = |[u, v]: Point2<T>| [f(u), f(v)];

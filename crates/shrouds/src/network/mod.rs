@@ -19,6 +19,7 @@ pub use theorem::TheoremReport;
 
 use std::ops::Range;
 
+use crate::gather::Indices;
 use step::Side;
 
 /// How many places before and after every curve repeat its other end.
@@ -70,11 +71,11 @@ pub struct Curve {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Network {
     /// The vertex at every place.
-    vertices: Vec<u32>,
+    vertices: Indices<1>,
     /// How its curve goes on from every place.
     steps: Vec<Step>,
     /// The places of every vertex on its curves 0 and 1.
-    places: Vec<[u32; 2]>,
+    places: Indices<2>,
     /// First place of every curve, and of one more after the last.
     starts: Vec<u32>,
 }
@@ -82,7 +83,7 @@ pub struct Network {
 impl Network {
     /// Number of vertices.
     pub fn vertex_count(&self) -> usize {
-        self.places.len()
+        self.places.groups().len()
     }
 
     /// The axis that the grid edge of vertex `v` runs along.
@@ -106,8 +107,8 @@ impl Network {
         let next = || here.look(self.steps[place + 1].runs_second());
         let previous = || before.look_back(here.runs_second());
         match (next(), previous()) {
-            (Some((s, link)), _) if s == side => Some((self.vertices[place + 1], link)),
-            (_, Some((s, link))) if s == side => Some((self.vertices[place - 1], link)),
+            (Some((s, link)), _) if s == side => Some((self.vertices()[place + 1], link)),
+            (_, Some((s, link))) if s == side => Some((self.vertices()[place - 1], link)),
             _ => None,
         }
     }
@@ -131,7 +132,7 @@ impl Network {
             Curve {
                 axis: self.steps[places.start].normal(),
                 closed: self.steps[places.end - 1].is_linked(),
-                vertices: self.vertices[places].to_vec(),
+                vertices: self.vertices()[places].to_vec(),
             }
         })
     }
@@ -154,17 +155,37 @@ impl Network {
     /// The place of vertex `v` on its curve `c`.
     #[inline]
     pub(crate) fn place(&self, v: u32, c: usize) -> usize {
-        self.places[v as usize][c] as usize
+        self.places()[v as usize][c] as usize
     }
 
     /// The places of all vertices on their curves 0 and 1.
     pub(crate) fn places(&self) -> &[[u32; 2]] {
-        &self.places
+        self.places.groups()
     }
 
     /// The vertices at all places.
     pub(crate) fn vertices(&self) -> &[u32] {
-        &self.vertices
+        self.vertices.groups().as_flattened()
+    }
+
+    /// Of some numbers, one per vertex, those at a range of places.
+    #[inline(always)]
+    pub(crate) fn at_places<T: Copy>(
+        &self,
+        places: Range<usize>,
+        numbers: &[T],
+    ) -> impl ExactSizeIterator<Item = T> {
+        self.vertices.read(places, numbers).map(|[number]| number)
+    }
+
+    /// Of some numbers, one per place, those at both places of a range of vertices.
+    #[inline(always)]
+    pub(crate) fn at_vertices<T: Copy>(
+        &self,
+        vertices: Range<usize>,
+        numbers: &[T],
+    ) -> impl ExactSizeIterator<Item = [T; 2]> {
+        self.places.read(vertices, numbers)
     }
 
     /// How the curves go on from all places.

@@ -38,6 +38,16 @@ impl Step {
         Self::last(self.normal(), self.runs_second())
     }
 
+    /// All that there can be, by their indices.
+    pub(crate) fn all() -> impl Iterator<Item = Self> {
+        (0..=u8::MAX).map(Self)
+    }
+
+    #[inline(always)]
+    pub(crate) fn index(self) -> usize {
+        usize::from(self.0)
+    }
+
     /// The axis normal to the plane; 3 for no step at all.
     #[inline(always)]
     pub(crate) fn normal(self) -> usize {

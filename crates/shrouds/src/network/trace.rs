@@ -1,5 +1,6 @@
 //! From segments on lattice faces to curves.
 
+use crate::gather::Indices;
 use crate::network::{Network, REPEATED, Step};
 use crate::parallel;
 use crate::surface::Surface;
@@ -13,34 +14,34 @@ impl Network {
     pub fn trace(surface: &Surface) -> Self {
         let mut families = parallel::blocks(3, 1, |family| Family::trace(surface, family.start));
         let sum = |count: fn(&Family) -> usize| families.iter().map(count).sum::<usize>();
-        let mut network = Self {
-            vertices: Vec::with_capacity(sum(|f| f.vertices.len())),
-            steps: Vec::with_capacity(sum(|f| f.steps.len())),
-            places: vec![[0; 2]; surface.vertex_count()],
-            starts: Vec::with_capacity(sum(|f| f.starts.len()) + 1),
-        };
+        let count = surface.vertex_count();
+        let mut vertices = Vec::with_capacity(sum(|f| f.vertices.len()));
+        let mut steps = Vec::with_capacity(vertices.capacity());
+        let mut starts = Vec::with_capacity(sum(|f| f.starts.len()) + 1);
+        let mut places = vec![[0; 2]; count];
         for family in &mut families {
-            let before = network.vertices.len() as u32;
-            network.starts.extend(family.starts.iter().map(|start| before + start));
-            network.vertices.append(&mut family.vertices);
-            network.steps.append(&mut family.steps);
+            let before = vertices.len() as u32;
+            starts.extend(family.starts.iter().map(|start| before + start));
+            vertices.append(&mut family.vertices);
+            steps.append(&mut family.steps);
             *family = Family::default();
         }
-        network.starts.push((network.vertices.len() + REPEATED) as u32);
-        for curve in 0..network.starts.len() - 1 {
-            for place in network.curve_places(curve) {
-                let v = network.vertices[place];
-                network.places[v as usize][network.steps[place].curve()] = place as u32;
+        starts.push((vertices.len() + REPEATED) as u32);
+        for curve in starts.windows(2) {
+            for place in curve[0] as usize..curve[1] as usize - 2 * REPEATED {
+                let [v]: [u32; 1] = vertices[place];
+                places[v as usize][steps[place].curve()] = place as u32;
             }
         }
-        network
+        let places = Indices::new(places, vertices.len());
+        Self { vertices: Indices::new(vertices, count), steps, places, starts }
     }
 }
 
 /// The curves in all planes normal to one axis.
 #[derive(Default)]
 struct Family {
-    vertices: Vec<u32>,
+    vertices: Vec<[u32; 1]>,
     steps: Vec<Step>,
     starts: Vec<u32>,
 }
@@ -54,7 +55,13 @@ struct Links {
 impl Family {
     fn trace(surface: &Surface, normal: usize) -> Self {
         let mut links = Links::find(surface, normal);
-        let mut family = Self::default();
+        // Room for every vertex: memory that is not touched costs nothing.
+        let count = surface.vertex_count();
+        let mut family = Self {
+            vertices: Vec::with_capacity(count),
+            steps: Vec::with_capacity(count),
+            starts: Vec::new(),
+        };
         if surface.border() == Border::Open {
             for start in links.open_ends() {
                 family.walk(&mut links, start);
@@ -71,14 +78,14 @@ impl Family {
     /// Appends the curve from a vertex on and cuts the links it follows.
     fn walk(&mut self, links: &mut Links, start: u32) {
         let first = self.vertices.len() + REPEATED;
-        self.vertices.extend([start; REPEATED]);
+        self.vertices.extend([[start]; REPEATED]);
         self.steps.extend([links.steps[start as usize].unlinked(); REPEATED]);
         self.starts.push(first as u32);
         let mut here = start;
         loop {
             let next = std::mem::replace(&mut links.next[here as usize], NONE);
             let step = links.steps[here as usize];
-            self.vertices.push(here);
+            self.vertices.push([here]);
             self.steps.push(step);
             if next == NONE || next == start {
                 break;

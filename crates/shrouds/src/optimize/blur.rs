@@ -64,11 +64,46 @@ pub(super) struct Blur<'a> {
     flat: Vec<Flat>,
 }
 
-/// A slice blurred along x and y, as far as it was needed.
+/// A slice blurred along x, and along x and y, as far as it was needed.
 struct Flat {
     slice: usize,
-    known: Vec<bool>,
+    along_x: Words,
+    along_both: Words,
+}
+
+/// The values of some words of a slice.
+pub(super) struct Words {
+    /// For every word where its values are; [`NOWHERE`] if they are not known.
+    at: Vec<u32>,
     values: Vec<Values>,
+}
+
+const NOWHERE: u32 = u32::MAX;
+
+impl Words {
+    fn new(count: usize) -> Self {
+        Self { at: vec![NOWHERE; count], values: Vec::new() }
+    }
+
+    fn clear(&mut self) {
+        self.at.fill(NOWHERE);
+        self.values.clear();
+    }
+
+    fn is_known(&self, index: usize) -> bool {
+        self.at[index] != NOWHERE
+    }
+
+    /// The values of a known word.
+    #[inline(always)]
+    fn of(&self, index: usize) -> &Values {
+        &self.values[self.at[index] as usize]
+    }
+
+    fn insert(&mut self, index: usize, values: Values) {
+        self.at[index] = self.values.len() as u32;
+        self.values.push(values);
+    }
 }
 
 impl<'a> Blur<'a> {
@@ -78,8 +113,8 @@ impl<'a> Blur<'a> {
         let words = nx.div_ceil(WORD);
         let flat = || Flat {
             slice: usize::MAX,
-            known: vec![false; words * ny],
-            values: vec![[0; WORD]; words * ny],
+            along_x: Words::new(words * ny),
+            along_both: Words::new(words * ny),
         };
         let count = 2 * REACH + 1;
         Self {
@@ -92,54 +127,43 @@ impl<'a> Blur<'a> {
     }
 
     /// A slice to blur into.
-    pub(super) fn slice(&self) -> Vec<Values> {
-        vec![[0; WORD]; self.words * self.volume.grid().dims()[1]]
+    pub(super) fn slice(&self) -> Words {
+        Words::new(self.words * self.volume.grid().dims()[1])
     }
 
     /// The blurred value of point `i` of row `j` of a slice.
     #[inline(always)]
-    pub(super) fn value(&self, slice: &[Values], i: usize, j: usize) -> i32 {
-        i32::from(slice[j * self.words + i / WORD][i % WORD])
+    pub(super) fn value(&self, slice: &Words, i: usize, j: usize) -> i32 {
+        i32::from(slice.of(j * self.words + i / WORD)[i % WORD])
     }
 
     /// Blurs slice `k`.
-    pub(super) fn fill(&mut self, k: usize, slice: &mut [Values]) {
-        let [_, ny, nz] = self.volume.grid().dims();
+    pub(super) fn fill(&mut self, k: usize, slice: &mut Words) {
+        slice.clear();
+        let volume = self.volume;
+        let [_, ny, nz] = volume.grid().dims();
         for j in 0..ny {
-            for w in 0..self.words {
-                if !self.is_near(j, k, w) {
-                    continue;
-                }
+            let row = volume.row(j, k);
+            let beside = [
+                volume.row(j.saturating_sub(1), k),
+                volume.row((j + 1).min(ny - 1), k),
+                volume.row(j, k.saturating_sub(1)),
+                volume.row(j, (k + 1).min(nz - 1)),
+            ];
+            for w in (0..self.words).filter(|&w| is_near(row, beside, w)) {
                 let near = neighbours(k, nz, self.border);
                 for k in near.into_iter().flatten() {
                     self.flatten(j, k, w);
                 }
-                let values = near.map(|k| k.map(|k| &self.flat(k).values[j * self.words + w]));
-                weighted(self.filter.z, &values, &mut slice[j * self.words + w]);
+                let index = j * self.words + w;
+                let values = near.map(|k| k.map(|k| self.flat(k).along_both.of(index)));
+                slice.insert(index, weighted(self.filter.z, &values));
             }
         }
     }
 
     fn flat(&self, k: usize) -> &Flat {
         &self.flat[k % self.flat.len()]
-    }
-
-    /// Whether word `w` of row `(j, k)` holds an end of a crossed grid edge.
-    fn is_near(&self, j: usize, k: usize, w: usize) -> bool {
-        let [_, ny, nz] = self.volume.grid().dims();
-        let rows = [
-            (j.saturating_sub(1), k),
-            ((j + 1).min(ny - 1), k),
-            (j, k.saturating_sub(1)),
-            (j, (k + 1).min(nz - 1)),
-        ];
-        let row = self.volume.row(j, k);
-        let here = row[w];
-        // A crossing along x reaches over a word's border.
-        let mixed = here != 0 && here != u64::MAX;
-        let beside = w + 1 < row.len() && (here >> 63) != (row[w + 1] & 1)
-            || w > 0 && (here & 1) != (row[w - 1] >> 63);
-        mixed || beside || rows.iter().any(|&(j, k)| self.volume.row(j, k)[w] != here)
     }
 
     /// Blurs word `w` of row `(j, k)` along x and y, if that was not done yet.
@@ -149,17 +173,36 @@ impl<'a> Blur<'a> {
         let flat = &mut self.flat[k % count];
         if flat.slice != k {
             flat.slice = k;
-            flat.known.fill(false);
+            flat.along_x.clear();
+            flat.along_both.clear();
         }
-        if std::mem::replace(&mut flat.known[index], true) {
+        if flat.along_both.is_known(index) {
             return;
         }
         let [nx, ny, _] = self.volume.grid().dims();
-        let rows = neighbours(j, ny, self.border).map(|j| {
-            j.map(|j| along_row(&self.filter.table, self.volume.row(j, k), w, nx, self.border))
-        });
-        weighted(self.filter.y, &rows.each_ref().map(Option::as_ref), &mut flat.values[index]);
+        let rows = neighbours(j, ny, self.border);
+        for j in rows.into_iter().flatten() {
+            let index = j * self.words + w;
+            if !flat.along_x.is_known(index) {
+                let row = self.volume.row(j, k);
+                let values = along_row(&self.filter.table, row, w, nx, self.border);
+                flat.along_x.insert(index, values);
+            }
+        }
+        let rows = rows.map(|j| j.map(|j| flat.along_x.of(j * self.words + w)));
+        flat.along_both.insert(index, weighted(self.filter.y, &rows));
     }
+}
+
+/// Whether word `w` of a row with these four beside it holds an end of a crossed grid edge.
+#[inline(always)]
+fn is_near(row: &[u64], beside: [&[u64]; 4], w: usize) -> bool {
+    let here = row[w];
+    // A crossing along x reaches over a word's border.
+    let crosses_border = w + 1 < row.len() && (here >> 63) != (row[w + 1] & 1)
+        || w > 0 && (here & 1) != (row[w - 1] >> 63);
+    let mixed = here != 0 && here != u64::MAX;
+    mixed || crosses_border || beside.iter().any(|row| row[w] != here)
 }
 
 /// The indices around `at` in a row of `count`: none beyond a closed border, the last ones again
@@ -176,12 +219,14 @@ fn neighbours(at: usize, count: usize, border: Border) -> [Option<usize>; 5] {
 
 /// The weighted sum of five words of values, absent ones being 0.
 #[inline(always)]
-fn weighted([near, next, far]: Weights, values: &[Option<&Values>; 5], sum: &mut Values) {
+fn weighted([near, next, far]: Weights, values: &[Option<&Values>; 5]) -> Values {
     const NOTHING: Values = [0; WORD];
     let [a, b, c, d, e] = values.map(|values| values.unwrap_or(&NOTHING));
+    let mut sum = NOTHING;
     for n in 0..WORD {
         sum[n] = far * (a[n] + e[n]) + next * (b[n] + d[n]) + near * c[n];
     }
+    sum
 }
 
 /// Word `w` of a row of `nx` lattice points, blurred along the row.

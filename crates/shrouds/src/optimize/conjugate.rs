@@ -16,17 +16,10 @@ pub(super) struct Room<'a, R> {
 }
 
 impl<R: Real> Room<'_, R> {
-    /// Between what the step of vertex `v` must stay.
+    /// Between what the step of a vertex at `x` must stay.
     #[inline(always)]
-    fn of(&self, v: usize) -> [f32; 2] {
-        self.bounds.map(|bound| self.part * (bound - self.x[v]).to_f64() as f32)
-    }
-
-    /// Whether vertex `v` cannot follow the slope of the energy.
-    #[inline(always)]
-    fn holds(&self, v: usize, gradient: f64) -> bool {
-        let [low, high] = self.of(v);
-        (low >= 0.0 && gradient > 0.0) || (high <= 0.0 && gradient < 0.0) || self.is_fixed[v]
+    fn around(&self, x: R) -> [f32; 2] {
+        self.bounds.map(|bound| self.part * (bound - x).to_f64() as f32)
     }
 }
 
@@ -76,9 +69,9 @@ impl Workspace {
         }
     }
 
-    /// The step of vertex `v` that the last call of [`Workspace::solve`] found.
-    pub(super) fn step(&self, v: usize) -> f64 {
-        f64::from(self.step[v])
+    /// The steps of all vertices that the last call of [`Workspace::solve`] found.
+    pub(super) fn steps(&self) -> &[f32] {
+        &self.step
     }
 
     /// Minimises the model over steps within the room, approximately.
@@ -112,17 +105,22 @@ impl Workspace {
     fn start<R: Real>(&mut self, model: &Model<R>, room: &Room<R>) -> f64 {
         let arrays = [&mut self.residual[..], &mut self.inverse];
         parallel::update_blocks(&mut self.step, arrays, |first, step, [residual, inverse]| {
-            let mut norm = 0.0;
-            for n in 0..step.len() {
-                let v = first + n;
-                let (gradient, diagonal) = (model.gradient(v), model.diagonal(v));
-                let free = !room.holds(v, gradient) && diagonal > 0.0;
+            let count = step.len();
+            let (x, is_fixed) = (&room.x[first..][..count], &room.is_fixed[first..][..count]);
+            let gradients = &model.gradients()[first..][..count];
+            let diagonals = &model.diagonals()[first..][..count];
+            let (residual, inverse) = (&mut residual[..count], &mut inverse[..count]);
+            // Without branches, so that several vertices go at a time.
+            for n in 0..count {
+                let (gradient, diagonal) = (gradients[n].to_f64() as f32, diagonals[n]);
+                let [low, high] = room.around(x[n]);
+                let held = (low >= 0.0) & (gradient > 0.0) | (high <= 0.0) & (gradient < 0.0);
+                let free = !(held | is_fixed[n]) & (diagonal > 0.0);
                 step[n] = 0.0;
-                (inverse[n], residual[n]) =
-                    if free { ((1.0 / diagonal) as f32, -gradient as f32) } else { (0.0, 0.0) };
-                norm += f64::from(residual[n] * residual[n] * inverse[n]);
+                inverse[n] = if free { 1.0 / diagonal } else { 0.0 };
+                residual[n] = if free { -gradient } else { 0.0 };
             }
-            norm
+            norm(residual, inverse)
         })
     }
 
@@ -172,12 +170,11 @@ impl Workspace {
         let (direction, images) = (&self.direction, &self.place_images);
         parallel::update_blocks(&mut self.image, NONE, |first, image, []| {
             let count = image.len();
-            let places = &network.places()[first..][..count];
             let diagonal = &model.diagonals()[first..][..count];
             let direction = &direction[first..][..count];
-            for n in 0..count {
-                let [a, b] = places[n];
-                image[n] = diagonal[n] * direction[n] + (images[a as usize] + images[b as usize]);
+            let at_vertices = network.at_vertices(first..first + count, images);
+            for (n, [a, b]) in at_vertices.enumerate() {
+                image[n] = diagonal[n] * direction[n] + (a + b);
             }
             dot(image, direction)
         })
@@ -203,16 +200,20 @@ impl Workspace {
         let arrays = [&mut self.residual[..], &mut self.inverse];
         let cuts =
             parallel::update_blocks(&mut self.step, arrays, |first, step, [residual, inverse]| {
-                let mut cuts = 0.0;
-                for n in 0..step.len() {
-                    let [low, high] = room.of(first + n);
-                    let cut = step[n].clamp(low, high);
-                    if cut != step[n] && inverse[n] > 0.0 {
-                        (step[n], residual[n], inverse[n]) = (cut, 0.0, 0.0);
-                        cuts += 1.0;
-                    }
+                let count = step.len();
+                let x = &room.x[first..][..count];
+                let (residual, inverse) = (&mut residual[..count], &mut inverse[..count]);
+                let mut cuts = 0u32;
+                for n in 0..count {
+                    let [low, high] = room.around(x[n]);
+                    let within = step[n].max(low).min(high);
+                    let is_cut = (within != step[n]) & (inverse[n] > 0.0);
+                    step[n] = if is_cut { within } else { step[n] };
+                    residual[n] = if is_cut { 0.0 } else { residual[n] };
+                    inverse[n] = if is_cut { 0.0 } else { inverse[n] };
+                    cuts += u32::from(is_cut);
                 }
-                cuts
+                f64::from(cuts)
             });
         cuts > 0.0
     }
@@ -221,12 +222,15 @@ impl Workspace {
         model.images(network, &self.step, &mut self.place_images);
         let (step, inverse, images) = (&self.step, &self.inverse, &self.place_images);
         parallel::update_blocks(&mut self.residual, NONE, |first, residual, []| {
-            for (n, residual) in residual.iter_mut().enumerate() {
+            let at_vertices = network.at_vertices(first..first + residual.len(), images);
+            for ((n, residual), [a, b]) in residual.iter_mut().enumerate().zip(at_vertices) {
                 let v = first + n;
-                let [a, b] = network.places()[v];
-                let image =
-                    model.diagonals()[v] * step[v] + (images[a as usize] + images[b as usize]);
-                *residual = if inverse[v] > 0.0 { -model.gradient(v) as f32 - image } else { 0.0 };
+                let image = model.diagonals()[v] * step[v] + (a + b);
+                *residual = if inverse[v] > 0.0 {
+                    -model.gradients()[v].to_f64() as f32 - image
+                } else {
+                    0.0
+                };
             }
             norm(residual, &inverse[first..])
         })

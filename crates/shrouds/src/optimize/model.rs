@@ -85,15 +85,18 @@ impl<R: Real> Model<R> {
     /// Gradient and diagonal from the parts at both places of every vertex and the barrier.
     fn gather(&mut self, problem: &Problem<R>, x: &[R], parts: &Parts<R>) {
         let Parts { parts, squares, .. } = parts;
-        let places = problem.network.places();
+        let network = problem.network;
         let diagonal = [&mut self.diagonal[..]];
         parallel::update_blocks(&mut self.gradient, diagonal, |first, gradient, [diagonal]| {
-            for (n, (gradient, diagonal)) in gradient.iter_mut().zip(diagonal).enumerate() {
-                let [a, b] = places[first + n];
-                let (a, b) = (a as usize, b as usize);
-                let (slope, curvature) = problem.barrier.slopes(first + n, x[first + n].to_f64());
-                *gradient = R::from_f64(slope) + parts[a].slope + parts[b].slope;
-                *diagonal = curvature as f32 + squares[a] + squares[b];
+            let range = first..first + gradient.len();
+            let parts = network
+                .at_vertices(range.clone(), parts)
+                .zip(network.at_vertices(range.clone(), squares));
+            let sums = gradient.iter_mut().zip(diagonal).zip(range);
+            for (((gradient, diagonal), v), (parts, squares)) in sums.zip(parts) {
+                let (slope, curvature) = problem.barrier.slopes(v, x[v].to_f64());
+                *gradient = R::from_f64(slope) + parts[0].slope + parts[1].slope;
+                *diagonal = curvature as f32 + squares[0] + squares[1];
             }
             0.0
         });
@@ -114,6 +117,10 @@ impl<R: Real> Model<R> {
         f64::from(self.diagonal[v])
     }
 
+    pub(super) fn gradients(&self) -> &[R] {
+        &self.gradient
+    }
+
     pub(super) fn diagonals(&self) -> &[f32] {
         &self.diagonal
     }
@@ -128,22 +135,25 @@ impl<R: Real> Model<R> {
             for start in (first.max(REPEATED)..end).step_by(STRIP) {
                 let count = STRIP.min(end - start);
                 let window = start - REPEATED..start + count + REPEATED;
-                for (value, &v) in gathered.iter_mut().zip(&network.vertices()[window]) {
-                    *value = vector[v as usize];
+                for (value, at_place) in gathered.iter_mut().zip(network.at_places(window, vector))
+                {
+                    *value = at_place;
                 }
                 let out = &mut images[start - first..][..count];
                 let (near, before) =
                     (&self.near[start..][..count], &self.near[start - 1..][..count]);
                 let (far, behind) = (&self.far[start..][..count], &self.far[start - 2..][..count]);
-                let [a, b, c, d] = [1, 2, 4, 5].map(|shift| &gathered[shift..][..count]);
+                let (a, b) = (&gathered[1..][..count], &gathered[2..][..count]);
+                let (c, d) = (&gathered[4..][..count], &gathered[5..][..count]);
                 for n in 0..count {
                     out[n] = behind[n] * a[n] + before[n] * b[n] + near[n] * c[n] + far[n] * d[n];
                 }
                 if self.support == Support::NextTwo {
-                    let [a, b] = [0, 6].map(|shift| &gathered[shift..][..count]);
-                    let [low, high] = [3, 0].map(|shift| &self.third[start - shift..][..count]);
+                    let (a, b) = (&gathered[..count], &gathered[6..][..count]);
+                    let (beyond, third) =
+                        (&self.third[start - 3..][..count], &self.third[start..][..count]);
                     for n in 0..count {
-                        out[n] += low[n] * a[n] + high[n] * b[n];
+                        out[n] += beyond[n] * a[n] + third[n] * b[n];
                     }
                 }
             }

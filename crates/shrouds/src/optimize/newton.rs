@@ -6,7 +6,7 @@ use crate::optimize::model::Model;
 use crate::optimize::problem::{Problem, Value};
 use crate::optimize::real::Real;
 use crate::optimize::univariate;
-use crate::parallel;
+use crate::parallel::{self, NONE};
 
 /// Chords below this part of the smallest spacing get a repair: there the linearised energy, whose
 /// derivatives grow with the inverse of the length, is worth little.
@@ -61,10 +61,12 @@ impl<R: Real> Newton<R> {
         self.workspace.solve(&self.model, problem.network, &room(problem, x), effort);
         let [low, high] = problem.bounds.map(R::to_f64);
         for part in effort.parts {
-            let workspace = &self.workspace;
-            let mut together = vec![R::default(); x.len()];
-            parallel::fill(&mut together, |v| {
-                R::from_f64((x[v].to_f64() + part * workspace.step(v)).clamp(low, high))
+            let mut together = x.clone();
+            parallel::update_blocks(&mut together, NONE, |first, together, []| {
+                for (x, &step) in together.iter_mut().zip(&self.workspace.steps()[first..]) {
+                    *x = R::from_f64((x.to_f64() + part * f64::from(step)).clamp(low, high));
+                }
+                0.0
             });
             if effort.repairs {
                 let awkward = if effort.converges { self.awkward(problem, x) } else { Vec::new() };
@@ -111,17 +113,12 @@ fn repair<R: Real>(problem: &Problem<R>, x: &mut [R], awkward: &[u32]) {
     let marks = problem.mark_places(x, |squared_length, cosine| {
         u8::from(squared_length < SHORT_CHORD * SHORT_CHORD) | u8::from(cosine < SHARP_TURN) << 1
     });
-    for (v, places) in problem.network.places().iter().enumerate() {
-        let mark = places.iter().fold(0, |mark, &place| mark | marks[place as usize]);
-        if problem.is_fixed[v] {
-            continue;
-        }
+    let marks = problem.network.at_vertices(0..x.len(), &marks).map(|[a, b]| a | b);
+    for (v, mark) in marks.enumerate().filter(|&(v, mark)| mark != 0 && !problem.is_fixed[v]) {
         if mark & 2 != 0 {
             univariate::scan(problem, x, v as u32);
         }
-        if mark != 0 {
-            univariate::step(problem, x, v as u32);
-        }
+        univariate::step(problem, x, v as u32);
     }
     for _ in 0..AWKWARD_SWEEPS {
         for &v in awkward.iter().filter(|&&v| !problem.is_fixed[v as usize]) {

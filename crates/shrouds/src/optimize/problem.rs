@@ -33,13 +33,14 @@ pub(super) struct Problem<'a, R> {
     pub(super) network: &'a Network,
     energy: &'a Energy,
     pub(super) parts: Vec<WeightedPart<'a, R>>,
-    lengths: Lengths<R>,
+    pub(super) lengths: Lengths<R>,
     pub(super) bounds: [R; 2],
     pub(super) barrier: Barrier,
     /// How surely every vertex lies on a flat face along the grid.
     flatness: Vec<f32>,
-    /// Whether a vertex must stay where it is.
+    /// Whether a vertex must stay where it is, and whether there is one that must.
     pub(super) is_fixed: Vec<bool>,
+    has_fixed: bool,
 }
 
 /// A measure with the weight of its ρ at every place, 0 where a vertex that it needs is missing.
@@ -94,9 +95,16 @@ impl<'a, R: Real> Problem<'a, R> {
             flatness: local(conditions.flatness),
             barrier: Barrier::none(network.vertex_count()),
             is_fixed: vec![false; network.vertex_count()],
+            has_fixed: false,
         };
-        problem.set_weights(|_| R::from_f64(1.0));
+        problem.set_weights(&vec![[R::from_f64(1.0); 2]; network.vertex_count()]);
         problem
+    }
+
+    /// Lets some vertices stay where they are.
+    pub(super) fn fix(&mut self, is_fixed: Vec<bool>) {
+        self.has_fixed = is_fixed.contains(&true);
+        self.is_fixed = is_fixed;
     }
 
     /// The largest support of the measures.
@@ -123,17 +131,20 @@ impl<'a, R: Real> Problem<'a, R> {
         }
         // With slopes s of the two curves the normal is (−1, s₁, s₀) along the grid edge and along the
         // normals of curves 0 and 1.
-        let (network, slopes) = (self.network, self.place_slopes(x));
-        self.set_weights(|place| {
-            let places = network.places()[network.vertices()[place] as usize];
-            let curve = network.steps()[place].curve();
-            let [own, other] = [curve, 1 - curve].map(|c| slopes[places[c] as usize]);
-            let one = R::from_f64(1.0);
-            let (own, other) = (own * own, other * other);
-            let least = R::from_f64(LEAST_WEIGHT);
-            let share = (one + own) / (one + own + other);
-            if share > least { share } else { least }
+        let of_places = self.place_slopes(x);
+        let mut shares = vec![[R::default(); 2]; x.len()];
+        parallel::update_blocks(&mut shares, NONE, |first, shares, []| {
+            let slopes = self.network.at_vertices(first..first + shares.len(), &of_places);
+            for (shares, [a, b]) in shares.iter_mut().zip(slopes) {
+                let (a, b, one) = (a * a, b * b, R::from_f64(1.0));
+                let inverse = one / (one + a + b);
+                let least = R::from_f64(LEAST_WEIGHT);
+                *shares = [(one + a) * inverse, (one + b) * inverse]
+                    .map(|share| if share > least { share } else { least });
+            }
+            0.0
         });
+        self.set_weights(&shares);
     }
 
     /// The slopes of both curves of every vertex over its grid edge: how far their tangents run along
@@ -142,10 +153,12 @@ impl<'a, R: Real> Problem<'a, R> {
     pub(super) fn slopes(&self, x: &[R]) -> Vec<[f32; 2]> {
         let of_places = self.place_slopes(x);
         let mut slopes = vec![[0.0; 2]; x.len()];
-        parallel::fill(&mut slopes, |v| {
-            let [a, b] = self.network.places()[v];
-            let slopes = [of_places[a as usize], of_places[b as usize]];
-            slopes.map(|slope| slope.to_f64().clamp(-STEEPEST, STEEPEST) as f32)
+        parallel::update_blocks(&mut slopes, NONE, |first, slopes, []| {
+            let found = self.network.at_vertices(first..first + slopes.len(), &of_places);
+            for (slopes, found) in slopes.iter_mut().zip(found) {
+                *slopes = found.map(|slope| slope.to_f64().clamp(-STEEPEST, STEEPEST) as f32);
+            }
+            0.0
         });
         slopes
     }
@@ -176,28 +189,42 @@ impl<'a, R: Real> Problem<'a, R> {
         slopes
     }
 
-    /// Weighs each place by a power of its share `1 − n_p²`, and by nothing where its curve ends.
-    fn set_weights(&mut self, share: impl Fn(usize) -> R + Sync) {
-        let (network, lengths) = (self.network, self.lengths);
-        let is_linked = |place: usize| network.steps()[place].is_linked();
+    /// Weighs each place by a power of the share `1 − n_p²` of its vertex for its curve, and by
+    /// nothing where its curve ends. A measure that looks at the next two vertices stands between its
+    /// own vertex and the next.
+    fn set_weights(&mut self, shares: &[[R; 2]]) {
+        let (network, lengths) = (self.network, &self.lengths);
+        let steps = network.steps();
         for part in &mut self.parts {
             let (exponent, support) = (part.measure.meusnier_exponent(), part.measure.support());
-            let (weight, factors) = (part.weight, part.factors.as_deref());
-            parallel::fill(&mut part.weights, |place| {
-                // Where a place repeats another one, that decides.
-                let (v, step) = (network.vertices()[place], network.steps()[place]);
-                let place = network.place(v, step.curve());
-                let is_whole = is_linked(place - 1) && is_linked(place);
-                if !is_whole || (support == Support::NextTwo && !is_linked(place + 1)) {
-                    return R::default();
-                }
-                let share = match support {
-                    Support::Neighbours => share(place),
-                    Support::NextTwo => R::from_f64(0.5) * (share(place) + share(place + 1)),
+            let (weight, factors) = (R::from_f64(part.weight), part.factors.as_deref());
+            parallel::update_blocks(&mut part.weights, NONE, |first, weights, []| {
+                let end = first + weights.len();
+                let after = end.min(steps.len() - 1);
+                let next = steps[first + 1..=after].iter().chain(&steps[after..end]);
+                let of_next = network.at_places(first + 1..after + 1, shares);
+                let of_next = of_next.chain(network.at_places(after..end, shares));
+                let mut is_linked = first > 0 && steps[first - 1].is_linked();
+                let own = steps[first..end].iter().zip(network.at_places(first..end, shares));
+                let factor = |n: usize| match factors {
+                    Some(factors) => factors[network.vertices()[first + n] as usize],
+                    None => 1.0,
                 };
-                let factor = weight * factors.map_or(1.0, |factors| f64::from(factors[v as usize]));
-                let distance = lengths.between_planes(step.normal());
-                power_of_root(share, exponent) * distance * R::from_f64(factor)
+                for (n, ((step, shares), (next, of_next))) in own.zip(next.zip(of_next)).enumerate()
+                {
+                    let was_linked = std::mem::replace(&mut is_linked, step.is_linked());
+                    let (mut share, mut is_whole) = (shares[step.curve()], was_linked && is_linked);
+                    if support == Support::NextTwo {
+                        share = R::from_f64(0.5) * (share + of_next[next.curve()]);
+                        is_whole &= next.is_linked();
+                    }
+                    let full = weight
+                        * R::from_f64(f64::from(factor(n)))
+                        * power_of_root(share, exponent)
+                        * lengths.between_planes(step.normal());
+                    weights[n] = if is_whole { full } else { R::default() };
+                }
+                0.0
             });
         }
     }
@@ -241,15 +268,16 @@ impl<'a, R: Real> Problem<'a, R> {
         range: Range<usize>,
         of_place: impl Fn(usize) -> R,
     ) -> Value {
-        let vertices = self.network.vertices();
         let part = |part: Range<usize>| {
-            let mut sum = Value::default();
-            for place in part {
-                let value = of_place(place).to_f64();
-                sum.all += value;
-                sum.own += if self.is_fixed[vertices[place] as usize] { 0.0 } else { value };
-            }
-            sum
+            let all = sum_of(part.clone().map(|place| of_place(place).to_f64()));
+            let fixed: f64 = if self.has_fixed {
+                let is_fixed = self.network.at_places(part.clone(), &self.is_fixed);
+                let fixed = part.zip(is_fixed).filter(|(_, is_fixed)| *is_fixed);
+                fixed.map(|(place, _)| of_place(place).to_f64()).sum()
+            } else {
+                0.0
+            };
+            Value { all, own: all - fixed }
         };
         self.network.curve_parts(range).map(part).sum()
     }
@@ -282,21 +310,9 @@ impl<'a, R: Real> Problem<'a, R> {
         for start in (range.start.max(REPEATED)..end).step_by(STRIP) {
             let places = start..end.min(start + STRIP);
             let loaded = places.start - REPEATED..places.end + REPEATED;
-            self.load(&mut strip, x, 0, loaded);
+            strip.load(self.network, loaded, &self.lengths, x);
             f(&mut strip, places);
         }
-    }
-
-    /// Loads some places to a strip from index `at` on.
-    #[inline]
-    pub(super) fn load<const LENGTH: usize>(
-        &self,
-        strip: &mut Strip<R, LENGTH>,
-        x: &[R],
-        at: usize,
-        places: Range<usize>,
-    ) {
-        strip.load(at, self.network, places, &self.lengths, x);
     }
 
     /// A mark for every place: `mark` of the smaller squared length of the chords before and after it
@@ -330,7 +346,7 @@ impl<'a, R: Real> Problem<'a, R> {
 impl<R: Real> WeightedPart<'_, R> {
     /// Sets the weights of a strip whose own places are these, and of those around them.
     pub(super) fn load_weights(&self, strip: &mut Strip<R>, places: Range<usize>) {
-        strip.set_weights(0, &self.weights[places.start - REPEATED..places.end + REPEATED]);
+        strip.load_weights(&self.weights[places.start - REPEATED..places.end + REPEATED]);
     }
 
     pub(super) fn weights(&self, places: Range<usize>) -> &[R] {
@@ -378,6 +394,15 @@ fn slopes_along<R: Real>(strip: &Strip<R>, n: usize) -> Lanes<R> {
         slopes[l] = along / across;
     }
     slopes
+}
+
+/// The sum, in partial sums side by side.
+fn sum_of(values: impl Iterator<Item = f64>) -> f64 {
+    let mut sums = [0.0; LANES];
+    for (n, value) in values.enumerate() {
+        sums[n % LANES] += value;
+    }
+    sums.into_iter().sum()
 }
 
 /// The square root of `x` to a power.

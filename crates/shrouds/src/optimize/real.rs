@@ -2,6 +2,8 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use wide::{f32x8, f64x8};
+
 use crate::energy::{CurveEnergy, Lanes, Stencil, Term};
 
 /// `f32` or `f64`, with what the solver does with them.
@@ -22,6 +24,8 @@ pub(super) trait Real:
     fn to_f64(self) -> f64;
     fn sqrt(self) -> Self;
     fn terms(energy: &dyn CurveEnergy, stencils: &Stencil<Lanes<Self>>) -> Term<Lanes<Self>>;
+    /// The weighted sum of the scalar products of vectors in the plane.
+    fn weighted_sum(weights: &Lanes<Self>, u: [&Lanes<Self>; 2], v: [&Lanes<Self>; 2]) -> f64;
 }
 
 impl Real for f32 {
@@ -45,6 +49,12 @@ impl Real for f32 {
     fn terms(energy: &dyn CurveEnergy, stencils: &Stencil<Lanes<Self>>) -> Term<Lanes<Self>> {
         energy.terms_single(stencils)
     }
+    #[inline(always)]
+    fn weighted_sum(weights: &Lanes<Self>, u: [&Lanes<Self>; 2], v: [&Lanes<Self>; 2]) -> f64 {
+        let ([p, q], [a, b]) = (u.map(|u| f32x8::new(*u)), v.map(|v| f32x8::new(*v)));
+        let products = f32x8::new(*weights) * (p * a + q * b);
+        products.to_array().into_iter().map(f64::from).sum()
+    }
 }
 
 impl Real for f64 {
@@ -67,5 +77,10 @@ impl Real for f64 {
     #[inline(always)]
     fn terms(energy: &dyn CurveEnergy, stencils: &Stencil<Lanes<Self>>) -> Term<Lanes<Self>> {
         energy.terms_double(stencils)
+    }
+    #[inline(always)]
+    fn weighted_sum(weights: &Lanes<Self>, u: [&Lanes<Self>; 2], v: [&Lanes<Self>; 2]) -> f64 {
+        let ([p, q], [a, b]) = (u.map(|u| f64x8::new(*u)), v.map(|v| f64x8::new(*v)));
+        (f64x8::new(*weights) * (p * a + q * b)).reduce_add()
     }
 }

@@ -9,36 +9,56 @@ use crate::optimize::real::Real;
 /// Places per strip; with its arrays it stays in the first-level cache.
 pub(super) const STRIP: usize = 256;
 /// Places that a strip holds: its own, three before and after them, and what the last lanes read beyond.
-pub(super) const LONG: usize = STRIP + 2 * REPEATED + LANES;
+const LENGTH: usize = STRIP + 2 * REPEATED + LANES;
 
 /// Where a place that is not there is taken to lie: so far that a tangent, which minds the nearer of
 /// two neighbours more, is that to the neighbour there is.
 const FAR: f64 = 1e5;
 
 /// Lengths in units of the smallest spacing that turn the step of a place into numbers.
-#[derive(Clone, Copy)]
-pub(super) struct Lengths<R>([R; 3]);
+pub(super) struct Lengths<R> {
+    spacing: [R; 3],
+    /// See [`Lengths::of_step`].
+    steps: Vec<[[R; 2]; 2]>,
+}
 
 impl<R: Real> Lengths<R> {
     pub(super) fn new(spacing: [f64; 3]) -> Self {
-        Self(spacing.map(R::from_f64))
+        let mut lengths = Self { spacing: spacing.map(R::from_f64), steps: Vec::new() };
+        lengths.steps = Step::all().map(|step| lengths.measure(step)).collect();
+        lengths
+    }
+
+    fn measure(&self, step: Step) -> [[R; 2]; 2] {
+        let [u, v] = self.of_plane(step.normal());
+        let [a, b] = step.shift().map(R::from_i32);
+        let moves = if step.runs_second() { [R::default(), v] } else { [u, R::default()] };
+        let shift = if step.is_linked() { [u * a, v * b] } else { [R::from_f64(FAR); 2] };
+        [moves, shift]
     }
 
     /// Those along both axes of the planes with this normal.
     #[inline(always)]
     fn of_plane(&self, normal: usize) -> [R; 2] {
-        [self.0[(normal + 1) % 3], self.0[(normal + 2) % 3]]
+        [self.spacing[(normal + 1) % 3], self.spacing[(normal + 2) % 3]]
+    }
+
+    /// How a vertex moves along both axes of its plane, and how far from the start of its grid edge
+    /// that of the next one lies.
+    #[inline(always)]
+    pub(super) fn of_step(&self, step: Step) -> [[R; 2]; 2] {
+        self.steps[step.index()]
     }
 
     /// The distance between planes with this normal.
     #[inline(always)]
     pub(super) fn between_planes(&self, normal: usize) -> R {
-        self.0[normal % 3]
+        self.spacing[normal % 3]
     }
 }
 
 /// Some successive places. Index `REPEATED` is the first place of the strip itself.
-pub(super) struct Strip<R, const LENGTH: usize = LONG> {
+pub(super) struct Strip<R> {
     positions: [R; LENGTH],
     /// How far every place has moved from the start of its grid edge, along both axes of the plane.
     offset: [[R; LENGTH]; 2],
@@ -48,7 +68,7 @@ pub(super) struct Strip<R, const LENGTH: usize = LONG> {
     weight: [R; LENGTH],
 }
 
-impl<R: Real, const LENGTH: usize> Strip<R, LENGTH> {
+impl<R: Real> Strip<R> {
     pub(super) fn new() -> Self {
         let zeros = [R::default(); LENGTH];
         Self {
@@ -81,38 +101,29 @@ impl<R: Real, const LENGTH: usize> Strip<R, LENGTH> {
         }
     }
 
-    /// Loads some places from index `at` on.
+    /// Loads some places.
     #[inline(always)]
     pub(super) fn load(
         &mut self,
-        at: usize,
         network: &Network,
         places: Range<usize>,
         lengths: &Lengths<R>,
         x: &[R],
     ) {
-        let positions = self.positions[at..].iter_mut();
-        for (position, &v) in positions.zip(&network.vertices()[places.clone()]) {
-            *position = x[v as usize];
+        for (position, x) in self.positions.iter_mut().zip(network.at_places(places.clone(), x)) {
+            *position = x;
         }
         // Planes of one family follow each other, so there is mostly one family.
         for (first, steps) in families(&network.steps()[places]) {
             let plane = lengths.of_plane(steps[0].normal());
-            self.set_steps(at + first, steps, plane);
+            self.set_steps(first, steps, plane);
         }
     }
 
-    /// Sets the weights of some places from index `at` on.
+    /// Sets the weights of the places.
     #[inline(always)]
-    pub(super) fn set_weights(&mut self, at: usize, weights: &[R]) {
-        self.weight[at..at + weights.len()].copy_from_slice(weights);
-    }
-
-    /// Moves the place at index `n`.
-    #[inline(always)]
-    pub(super) fn move_to(&mut self, n: usize, x: R) {
-        self.offset[0][n] = x * self.moves[0][n];
-        self.offset[1][n] = x * self.moves[1][n];
+    pub(super) fn load_weights(&mut self, weights: &[R]) {
+        self.weight[..weights.len()].copy_from_slice(weights);
     }
 
     /// The vectors from the places at `n` and the next ones to their successors.

@@ -75,13 +75,23 @@ impl<'a> Tile<'a> {
         fixed
     }
 
-    /// Calls `f` with the vertices of every row along each axis, as numbered here and in the whole
-    /// surface, and whether the row is the tile's own.
+    /// Calls `f` with the vertices of every row, all at once or along each axis, as numbered here and
+    /// in the whole surface, and whether the row is the tile's own.
     fn for_each_row(&self, mut f: impl FnMut(bool, Range<usize>, Range<usize>)) {
         let [_, ny, nz] = self.piece.grid().dims();
         for (k, j) in (0..nz).flat_map(|k| (0..ny).map(move |j| (k, j))) {
+            let here = self.piece.all_row_vertices(j, k);
+            if here.is_empty() {
+                continue;
+            }
             let (y, z) = (self.first[0] + j, self.first[1] + k);
             let is_own = self.rows.y.contains(&y) && self.rows.z.contains(&z);
+            let there = self.whole.all_row_vertices(y, z);
+            if here.len() == there.len() {
+                f(is_own, here, there);
+                continue;
+            }
+            // Grid edges leave the piece here.
             for axis in 0..3 {
                 let here = self.piece.row_vertices(axis, j, k);
                 if !here.is_empty() {

@@ -32,7 +32,7 @@ pub(super) fn visit<R: Real>(
     let mut x = tile.read(x, R::from_f64(0.5));
     let local = |factors: &[f32]| tile.read(factors, 0.0);
     let mut problem = Problem::new(&tile.network, conditions, local);
-    problem.is_fixed = tile.is_fixed();
+    problem.fix(tile.is_fixed());
     let mut newton = Newton::new(&tile.network);
     let (mut energies, mut first_move) = (Vec::new(), 0.0);
     for steps in passes {

@@ -133,6 +133,12 @@ impl Surface {
         firsts[stream] as usize..firsts[stream + 1] as usize
     }
 
+    /// The vertices of lattice row `(j, k)` on grid edges along all axes, one axis after another.
+    pub(crate) fn all_row_vertices(&self, j: usize, k: usize) -> Range<usize> {
+        let row = k * self.grid().dims()[1] + j;
+        self.first_vertex(row) as usize..self.first_vertex(row + 1) as usize
+    }
+
     /// Between which y and z indices there are vertices.
     pub(crate) fn occupied_rows(&self) -> [Range<usize>; 2] {
         let [_, ny, nz] = self.grid().dims();
