@@ -132,6 +132,9 @@ proptest! {
     fn turning_and_shifting_change_nothing_and_scaling_follows_a_power(
         points in four_points(), angle in 0.0..6.3f64, scale in 0.2..5.0f64
     ) {
+        // Where a curve turns back onto itself curvature has a pole, cut off at an absolute height.
+        prop_assume!((points[2][0] - points[0][0]).hypot(points[2][1] - points[0][1]) > 0.02);
+        prop_assume!(turnings(&points)[0].abs() < PI - 0.02);
         let (s, c) = angle.sin_cos();
         let moved = points.map(|[x, y]| [c * x - s * y + 3.0, s * x + c * y - 1.0]);
         let grown = points.map(|p| p.map(|x| x * scale));
@@ -270,10 +273,8 @@ fn the_cosine_of_the_interior_angle_is_what_its_name_says() {
 
 #[test]
 fn lengths_add_up_to_the_perimeter_and_their_model_lies_above() {
-    let polygon: Vec<Point2> = (0..7)
-        .map(|n| f64::from(n))
-        .map(|t| [(0.9 * t).cos() * (2.0 + t), (0.9 * t).sin()])
-        .collect();
+    let polygon: Vec<Point2> =
+        (0..7).map(f64::from).map(|t| [(0.9 * t).cos() * (2.0 + t), (0.9 * t).sin()]).collect();
     let at = |n: usize| polygon[n % polygon.len()];
     let distance = |a: Point2, b: Point2| (a[0] - b[0]).hypot(a[1] - b[1]);
     let expected: f64 = (0..7).map(|n| distance(at(n), at(n + 1))).sum();

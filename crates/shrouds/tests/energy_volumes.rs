@@ -32,7 +32,7 @@ fn settings(energy: &Energy, faces: FaceRule, border: Border, steps: usize) -> S
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(3))]
+    #![proptest_config(ProptestConfig::with_cases(4))]
 
     #[test]
     fn on_noise_everything_is_finite_and_on_its_side(volume in volumes(), seed in any::<u64>()) {
