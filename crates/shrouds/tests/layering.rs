@@ -17,7 +17,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("volume", &["grid", "error", "parallel", "random"]),
     ("surface", &["grid", "volume", "error", "parallel"]),
     ("network", &["surface", "volume", "error", "gather", "parallel"]),
-    ("energy", &[]),
+    ("energy", &["error"]),
     (
         "optimize",
         &[

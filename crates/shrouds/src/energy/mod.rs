@@ -3,23 +3,39 @@
 //! The energy of a polygon is the sum of ρ over its vertices (equation 5), ρ at a vertex depending
 //! on that vertex, its two neighbours and, if a measure wants it, the vertex after the next. Any such
 //! measure can be plugged in: implement [`CurveFormula`], and value and exact derivatives follow from
-//! the one formula. An [`Energy`] is a weighted sum of measures.
+//! the one formula. An [`Energy`] is a weighted sum of measures; those that go by a name, see
+//! [`catalogue`], can be written as text.
 //!
 //! Uses: nothing.
 
+mod angle;
 mod bending;
+mod catalogue;
 mod curvature;
+mod custom;
+mod knots;
+mod length;
 mod linear;
+mod metric;
 mod parameter;
 mod scalar;
+mod spline;
+mod stretch;
 mod sum;
+mod syntax;
 mod variation;
 
+pub use angle::Angle;
 pub use bending::Bending;
+pub use catalogue::{Entry, catalogue};
 pub use curvature::Curvature;
+pub use custom::Custom;
+pub use length::Length;
 pub use linear::Linear;
 pub use parameter::Parameter;
 pub use scalar::{Scalar, Slope};
+pub use spline::{SplineEnergy, spline_energy};
+pub use stretch::{Stretch, tension};
 pub use sum::{Energy, Part};
 pub use variation::Variation;
 
@@ -74,18 +90,18 @@ pub trait CurveFormula: Send + Sync {
         Support::Neighbours
     }
 
+    /// What the text of an [`Energy`] calls it, arguments included.
+    fn name(&self) -> String {
+        "custom".into()
+    }
+
     /// ρ as a sum of squares and its derivatives, each vertex moving along its `moves`.
     ///
     /// The default carries derivatives through [`CurveFormula::residual`]; a formula that has them in
     /// closed form may save time with its own.
     #[inline(always)]
     fn differentiate<S: Scalar>(&self, stencil: Stencil<S>) -> Term<S> {
-        let unknown = |n: usize, k: usize| {
-            let mut slope = [S::constant(0.0); 4];
-            slope[n] = stencil.moves[n][k];
-            Slope { value: stencil.points[n][k], slope }
-        };
-        let residual = self.residual([0, 1, 2, 3].map(|n| [0, 1].map(|k| unknown(n, k))));
+        let residual = self.residual(stencil.with_slopes());
         Term { residual: residual.map(|r| r.value), slope: residual.map(|r| r.slope) }
     }
 
@@ -114,6 +130,8 @@ pub trait CurveEnergy: Send + Sync {
     fn rho(&self, points: &[Point2; 4]) -> f64;
     /// See [`CurveFormula::support`].
     fn support(&self) -> Support;
+    /// See [`CurveFormula::name`].
+    fn name(&self) -> String;
     /// [`CurveEnergy::term`] of several stencils in single precision.
     fn terms_single(&self, stencils: &Stencil<Lanes<f32>>) -> Term<Lanes<f32>>;
     /// [`CurveEnergy::term`] of several stencils in double precision.
@@ -136,6 +154,10 @@ impl<F: CurveFormula> CurveEnergy for F {
 
     fn support(&self) -> Support {
         CurveFormula::support(self)
+    }
+
+    fn name(&self) -> String {
+        CurveFormula::name(self)
     }
 
     fn terms_single(&self, stencils: &Stencil<Lanes<f32>>) -> Term<Lanes<f32>> {
@@ -164,6 +186,19 @@ impl<T: Copy> Stencil<T> {
     }
 }
 
+impl<S: Scalar> Stencil<S> {
+    /// Its points as numbers that carry their derivatives with respect to the four unknowns.
+    #[inline(always)]
+    fn with_slopes(self) -> [Point2<Slope<S>>; 4] {
+        let unknown = |n: usize, k: usize| {
+            let mut slope = [S::constant(0.0); 4];
+            slope[n] = self.moves[n][k];
+            Slope { value: self.points[n][k], slope }
+        };
+        [0, 1, 2, 3].map(|n| [0, 1].map(|k| unknown(n, k)))
+    }
+}
+
 impl<T: Copy> Term<T> {
     #[inline(always)]
     fn map<U>(&self, f: impl Fn(T) -> U) -> Term<U> {
@@ -179,9 +214,11 @@ fn chord<S: Scalar>(a: Point2<S>, b: Point2<S>) -> Point2<S> {
     [b[0] - a[0], b[1] - a[1]]
 }
 
+/// The length of a vector, and 1e-12 instead of 0: then directions and derivatives are finite where
+/// vertices coincide. At the lengths that the margin of δ allows it changes no bit.
 #[inline(always)]
 fn length<S: Scalar>(v: Point2<S>) -> S {
-    (v[0] * v[0] + v[1] * v[1]).sqrt()
+    (v[0] * v[0] + v[1] * v[1] + S::constant(1e-24)).sqrt()
 }
 
 #[inline(always)]
