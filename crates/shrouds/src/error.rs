@@ -77,6 +77,18 @@ pub enum Error {
         /// The names there are.
         known: String,
     },
+    /// A text does not describe an energy.
+    #[error(
+        "{text:?} is no energy: {reason}; write a sum of measures with weights such as bending+0.3*variation, the measures being {known}"
+    )]
+    Energy {
+        /// What was given.
+        text: String,
+        /// What is wrong with it.
+        reason: String,
+        /// The measures there are, with their arguments.
+        known: String,
+    },
     /// A mesh refers to a vertex that it does not have, or a coordinate is not finite.
     #[error("the mesh is damaged: {0}")]
     Mesh(String),

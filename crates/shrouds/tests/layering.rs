@@ -16,7 +16,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("volume", &["grid", "error", "parallel", "random"]),
     ("surface", &["grid", "volume", "error", "parallel"]),
     ("network", &["surface", "volume", "error", "parallel"]),
-    ("energy", &[]),
+    ("energy", &["error"]),
     (
         "optimize",
         &[

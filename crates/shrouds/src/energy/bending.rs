@@ -63,4 +63,8 @@ impl CurveFormula for Bending {
     fn barrier(&self) -> f64 {
         0.1
     }
+
+    fn name(&self) -> String {
+        "bending".into()
+    }
 }

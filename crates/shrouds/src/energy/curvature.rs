@@ -19,4 +19,8 @@ impl CurveFormula for Curvature {
         let speed_squared = first[0] * first[0] + first[1] * first[1];
         [cross(first, second) / (speed_squared * speed_squared.sqrt()), S::constant(0.0)]
     }
+
+    fn name(&self) -> String {
+        format!("curvature({})", self.parameter)
+    }
 }

@@ -25,4 +25,8 @@ impl CurveFormula for Linear {
         let [_, second] = self.parameter.derivatives([a, b, c]);
         second
     }
+
+    fn name(&self) -> String {
+        format!("linear({})", self.parameter)
+    }
 }

@@ -3,19 +3,23 @@
 //! The energy of a polygon is the sum of ρ over its vertices (equation 5), ρ at a vertex depending
 //! on that vertex, its two neighbours and, if a measure wants it, the vertex after the next. Any such
 //! measure can be plugged in: implement [`CurveFormula`], and value and exact derivatives follow from
-//! the one formula. An [`Energy`] is a weighted sum of measures.
+//! the one formula. An [`Energy`] is a weighted sum of measures; those that go by a name, see
+//! [`catalogue`], can be written as text.
 //!
 //! Uses: nothing.
 
 mod bending;
+mod catalogue;
 mod curvature;
 mod linear;
 mod parameter;
 mod scalar;
 mod sum;
+mod syntax;
 mod variation;
 
 pub use bending::Bending;
+pub use catalogue::{Entry, catalogue};
 pub use curvature::Curvature;
 pub use linear::Linear;
 pub use parameter::Parameter;
@@ -74,6 +78,11 @@ pub trait CurveFormula: Send + Sync {
         Support::Neighbours
     }
 
+    /// What the text of an [`Energy`] calls it, arguments included.
+    fn name(&self) -> String {
+        "custom".into()
+    }
+
     /// ρ as a sum of squares and its derivatives, each vertex moving along its `moves`.
     ///
     /// The default carries derivatives through [`CurveFormula::residual`]; a formula that has them in
@@ -114,6 +123,8 @@ pub trait CurveEnergy: Send + Sync {
     fn rho(&self, points: &[Point2; 4]) -> f64;
     /// See [`CurveFormula::support`].
     fn support(&self) -> Support;
+    /// See [`CurveFormula::name`].
+    fn name(&self) -> String;
     /// [`CurveEnergy::term`] of several stencils in single precision.
     fn terms_single(&self, stencils: &Stencil<Lanes<f32>>) -> Term<Lanes<f32>>;
     /// [`CurveEnergy::term`] of several stencils in double precision.
@@ -136,6 +147,10 @@ impl<F: CurveFormula> CurveEnergy for F {
 
     fn support(&self) -> Support {
         CurveFormula::support(self)
+    }
+
+    fn name(&self) -> String {
+        CurveFormula::name(self)
     }
 
     fn terms_single(&self, stencils: &Stencil<Lanes<f32>>) -> Term<Lanes<f32>> {

@@ -1,5 +1,7 @@
 //! Where on [0, 1] the middle vertex of a parametric quadratic lies.
 
+use std::fmt;
+
 use crate::energy::{Point2, Scalar, chord, length};
 
 /// How the parameter t of the middle one of three vertices is chosen; the others are at 0 and 1
@@ -15,7 +17,30 @@ pub enum Parameter {
     Centripetal,
 }
 
+impl fmt::Display for Parameter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
 impl Parameter {
+    /// Every one of them.
+    pub const ALL: [Self; 3] = [Self::Uniform, Self::Chord, Self::Centripetal];
+
+    /// What the text of an [`Energy`](crate::energy::Energy) calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Uniform => "uniform",
+            Self::Chord => "chord",
+            Self::Centripetal => "centripetal",
+        }
+    }
+
+    /// The one of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|parameter| parameter.name() == name)
+    }
+
     #[inline]
     fn of_middle<S: Scalar>(self, before: Point2<S>, after: Point2<S>) -> S {
         let share = |a: S, b: S| a / (a + b);

@@ -75,4 +75,8 @@ impl CurveFormula for Variation {
     fn barrier(&self) -> f64 {
         1.0
     }
+
+    fn name(&self) -> String {
+        "variation".into()
+    }
 }
