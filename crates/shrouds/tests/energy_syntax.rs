@@ -29,14 +29,20 @@ fn sums_with_weights_and_white_space_are_read() {
     assert_eq!(parsed("0*bending"), [("bending".into(), 0.0)]);
     assert_eq!(parsed("curvature ( centripetal )"), parsed("curvature(centripetal)"));
     assert_eq!(parsed("curvature"), parsed("curvature(chord)"));
+    let tight = "2*linear(chord)+1*stretch(chord)";
+    assert_eq!(parsed("2*tension(0.5, chord)"), parsed(tight));
+    assert_eq!(parsed("angle"), parsed("angle(squared)"));
 }
 
 #[test]
 fn what_is_written_reads_back_the_same() {
     let mut texts: Vec<String> = catalogue().iter().map(|entry| entry.name.into()).collect();
-    for entry in catalogue().iter().filter(|entry| entry.arguments.contains("parameter")) {
+    for entry in catalogue().iter().filter(|entry| entry.arguments.starts_with("[parameter")) {
         texts.extend(Parameter::ALL.map(|p| format!("0.1*{}({p})+1e-9*bending", entry.name)));
     }
+    texts.extend(
+        ["tension(0.25)", "tension(2, chord)", "angle(cosine)", "3*tension"].map(String::from),
+    );
     texts.push("3e300*bending+1e-300*linear(chord)".into());
     for text in texts {
         let energy: Energy = text.parse().unwrap_or_else(|e| panic!("{e}"));
@@ -66,6 +72,10 @@ fn a_text_that_is_no_energy_is_told_what_there_is() {
         ("linear()", "no parametrisation \"\""),
         ("linear(länge)", "no parametrisation \"länge\""),
         ("linear(chord,chord)", "one argument too many"),
+        ("tension(chord)", "not a number from 0 up"),
+        ("tension(-1)", "not a number from 0 up"),
+        ("tension(1,chord,2)", "one argument too many"),
+        ("angle(round)", "neither squared nor cosine"),
         ("δ", "a measure is missing"),
     ];
     for (text, reason) in wrong {

@@ -1,6 +1,6 @@
 //! Squared curvature of the local quadratic: equation 6.
 
-use crate::energy::{CurveFormula, Parameter, Point2, Scalar, cross};
+use crate::energy::{CurveFormula, Parameter, Point2, Scalar, Support, cross, dot};
 
 /// ρ = κ² of the parametric quadratic through three vertices (equation 6; the power of the
 /// denominator is a misprint there: it is (ẋ² + ẏ²)^(3/2), the whole squared).
@@ -14,10 +14,15 @@ pub struct Curvature {
 
 impl CurveFormula for Curvature {
     #[inline]
-    fn residual<S: Scalar>(&self, [a, b, c, _]: [Point2<S>; 4]) -> [S; 2] {
-        let [first, second] = self.parameter.derivatives([a, b, c]);
-        let speed_squared = first[0] * first[0] + first[1] * first[1];
+    fn residual<S: Scalar>(&self, points: [Point2<S>; 4]) -> [S; 2] {
+        let [first, second] = self.parameter.derivatives(points);
+        // Where a curve turns back onto itself it has no speed; there ρ stays finite.
+        let speed_squared = dot(first, first) + S::constant(1e-15);
         [cross(first, second) / (speed_squared * speed_squared.sqrt()), S::constant(0.0)]
+    }
+
+    fn support(&self) -> Support {
+        self.parameter.support()
     }
 
     fn name(&self) -> String {

@@ -1,6 +1,6 @@
 //! Squared second derivative of the local quadratic: equation 7.
 
-use crate::energy::{CurveFormula, Parameter, Point2, Scalar};
+use crate::energy::{CurveFormula, Parameter, Point2, Scalar, Support};
 
 /// ρ = ẍ² + ÿ² of the parametric quadratic through three vertices (equation 7), the linearised
 /// curvature of splines.
@@ -21,9 +21,13 @@ impl Default for Linear {
 
 impl CurveFormula for Linear {
     #[inline]
-    fn residual<S: Scalar>(&self, [a, b, c, _]: [Point2<S>; 4]) -> [S; 2] {
-        let [_, second] = self.parameter.derivatives([a, b, c]);
+    fn residual<S: Scalar>(&self, points: [Point2<S>; 4]) -> [S; 2] {
+        let [_, second] = self.parameter.derivatives(points);
         second
+    }
+
+    fn support(&self) -> Support {
+        self.parameter.support()
     }
 
     fn name(&self) -> String {

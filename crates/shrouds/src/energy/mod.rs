@@ -8,22 +8,31 @@
 //!
 //! Uses: nothing.
 
+mod angle;
 mod bending;
 mod catalogue;
 mod curvature;
+mod custom;
+mod length;
 mod linear;
+mod metric;
 mod parameter;
 mod scalar;
+mod stretch;
 mod sum;
 mod syntax;
 mod variation;
 
+pub use angle::Angle;
 pub use bending::Bending;
 pub use catalogue::{Entry, catalogue};
 pub use curvature::Curvature;
+pub use custom::Custom;
+pub use length::Length;
 pub use linear::Linear;
 pub use parameter::Parameter;
 pub use scalar::{Scalar, Slope};
+pub use stretch::{Stretch, tension};
 pub use sum::{Energy, Part};
 pub use variation::Variation;
 
@@ -89,12 +98,7 @@ pub trait CurveFormula: Send + Sync {
     /// closed form may save time with its own.
     #[inline(always)]
     fn differentiate<S: Scalar>(&self, stencil: Stencil<S>) -> Term<S> {
-        let unknown = |n: usize, k: usize| {
-            let mut slope = [S::constant(0.0); 4];
-            slope[n] = stencil.moves[n][k];
-            Slope { value: stencil.points[n][k], slope }
-        };
-        let residual = self.residual([0, 1, 2, 3].map(|n| [0, 1].map(|k| unknown(n, k))));
+        let residual = self.residual(stencil.with_slopes());
         Term { residual: residual.map(|r| r.value), slope: residual.map(|r| r.slope) }
     }
 
@@ -190,6 +194,19 @@ impl<T: Copy> Stencil<T> {
     }
 }
 
+impl<S: Scalar> Stencil<S> {
+    /// Its points as numbers that carry their derivatives with respect to the four unknowns.
+    #[inline(always)]
+    fn with_slopes(self) -> [Point2<Slope<S>>; 4] {
+        let unknown = |n: usize, k: usize| {
+            let mut slope = [S::constant(0.0); 4];
+            slope[n] = self.moves[n][k];
+            Slope { value: self.points[n][k], slope }
+        };
+        [0, 1, 2, 3].map(|n| [0, 1].map(|k| unknown(n, k)))
+    }
+}
+
 impl<T: Copy> Term<T> {
     #[inline(always)]
     fn map<U>(&self, f: impl Fn(T) -> U) -> Term<U> {
@@ -205,9 +222,11 @@ fn chord<S: Scalar>(a: Point2<S>, b: Point2<S>) -> Point2<S> {
     [b[0] - a[0], b[1] - a[1]]
 }
 
+/// The length of a vector, and 1e-12 instead of 0: then directions and derivatives are finite where
+/// vertices coincide. At the lengths that the margin of δ allows it changes no bit.
 #[inline(always)]
 fn length<S: Scalar>(v: Point2<S>) -> S {
-    (v[0] * v[0] + v[1] * v[1]).sqrt()
+    (v[0] * v[0] + v[1] * v[1] + S::constant(1e-24)).sqrt()
 }
 
 #[inline(always)]

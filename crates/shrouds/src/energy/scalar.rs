@@ -17,6 +17,8 @@ pub trait Scalar:
     fn sqrt(self) -> Self;
     /// The angle of the vector (x, self), in (−π, π].
     fn atan2(self, x: Self) -> Self;
+    /// −1 below 0, else 1.
+    fn sign(self) -> Self;
 }
 
 impl Scalar for f64 {
@@ -32,6 +34,10 @@ impl Scalar for f64 {
     fn atan2(self, x: Self) -> Self {
         // As in the lanes below, and not as the platform rounds it.
         f64x8::splat(self).atan2(f64x8::splat(x)).to_array()[0]
+    }
+    #[inline(always)]
+    fn sign(self) -> Self {
+        if self < 0.0 { -1.0 } else { 1.0 }
     }
 }
 
@@ -49,6 +55,10 @@ impl Scalar for f64x8 {
     fn atan2(self, x: Self) -> Self {
         f64x8::atan2(self, x)
     }
+    #[inline(always)]
+    fn sign(self) -> Self {
+        self.simd_lt(Self::ZERO).select(-Self::ONE, Self::ONE)
+    }
 }
 
 impl Scalar for f32x8 {
@@ -63,6 +73,10 @@ impl Scalar for f32x8 {
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {
         f32x8::atan2(self, x)
+    }
+    #[inline(always)]
+    fn sign(self) -> Self {
+        self.simd_lt(Self::ZERO).select(-Self::ONE, Self::ONE)
     }
 }
 
@@ -100,8 +114,13 @@ impl<S: Scalar> Scalar for Slope<S> {
     #[inline(always)]
     fn atan2(self, other: Self) -> Self {
         let (y, x) = (self.value, other.value);
-        let inverse = S::constant(1.0) / (x * x + y * y);
+        // Finite where both are 0, and elsewhere too little to matter.
+        let inverse = S::constant(1.0) / (x * x + y * y + S::constant(1e-36));
         self.combine(other, y.atan2(x), |a, b| (x * a - y * b) * inverse)
+    }
+    #[inline(always)]
+    fn sign(self) -> Self {
+        Self { value: self.value.sign(), slope: [S::constant(0.0); 4] }
     }
 }
 
