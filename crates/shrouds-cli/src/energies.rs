@@ -19,7 +19,7 @@ pub(crate) fn read(text: Option<&str>, parameter: Option<&str>) -> Result<Option
             let names = catalogue().iter().filter(|entry| entry.arguments == PARAMETER);
             let names: Vec<&str> = names.map(|entry| entry.name).collect();
             Err(Failure::Call(format!(
-                "--parameter has no meaning for --energy {}: leave it out, or choose an energy with {}",
+                "--parameter cannot go into --energy {}: leave it out, or choose an energy with {}",
                 text.unwrap_or("bending"),
                 names.join(" or ")
             )))
@@ -68,14 +68,16 @@ pub(crate) fn destructive(text: &str) -> Option<String> {
 }
 
 /// The energies that a comparison is of unless told otherwise, but for that of the preset: those that
-/// keep thin parts, and the two of the paper with every parametrisation.
+/// keep thin parts, the variation of curvature, and the two of the paper with every parametrisation.
 pub(crate) fn usual() -> Vec<String> {
     let safe = catalogue().iter().filter(|entry| entry.keeps_thin_parts).map(|entry| entry.name);
     let alone = |name: &&str| name.parse::<Energy>().is_ok();
     let paper = ["curvature", "linear"].into_iter().flat_map(|name| {
         Parameter::ALL.into_iter().map(move |parameter| format!("{name}({parameter})"))
     });
-    safe.filter(alone).map(str::to_owned).chain(paper).collect()
+    let mut all: Vec<String> = safe.filter(alone).chain(["variation"]).map(str::to_owned).collect();
+    all.extend(paper);
+    all
 }
 
 /// All measures with what they are, a line each.
@@ -131,15 +133,15 @@ mod tests {
         let energy = read(Some("linear+curvature"), Some("uniform")).unwrap().unwrap();
         assert_eq!(energy.to_string(), "linear(uniform)+curvature(uniform)");
         assert!(read(None, None).unwrap().is_none());
-        for text in [None, Some("bending"), Some("bending+2*variation")] {
+        for text in [None, Some("bending"), Some("bending+2*length")] {
             let failure = read(text, Some("chord")).unwrap_err();
-            assert!(failure.message().contains("--parameter has no meaning"), "{failure:?}");
+            assert!(failure.message().contains("--parameter cannot go"), "{failure:?}");
         }
     }
 
     #[test]
     fn measures_that_may_destroy_are_named() {
-        assert_eq!(destructive("bending+0.5*variation"), None);
+        assert_eq!(destructive("2*bending+0.5*bending"), None);
         assert_eq!(destructive("bending+0.5*linear(chord)").as_deref(), Some("linear"));
         assert_eq!(destructive("linear+curvature").as_deref(), Some("linear and curvature"));
     }

@@ -163,7 +163,8 @@ pub(crate) struct CompareArgs {
     /// The volume file: .npy, .nii, .nii.gz or .nrrd; or demo:NAME for a phantom
     pub(crate) input: PathBuf,
     /// The energies, parted by semicolons; `preset` stands for what the preset is made for [default:
-    /// that one, those that keep thin parts, and the two of the paper with each parametrisation]
+    /// that one, those that keep thin parts, variation, and the two of the paper with each
+    /// parametrisation]
     #[arg(long, visible_alias = "energy", value_name = "LIST")]
     pub(crate) energies: Option<String>,
     /// Also start from so many random places, 0 to 1000, and tell how far apart the results lie

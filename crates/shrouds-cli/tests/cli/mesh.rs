@@ -320,7 +320,7 @@ fn an_energy_that_may_destroy_is_warned_of() {
     ] {
         let done = folder.run(&format!("{call} --energy bending+linear"));
         assert!(done.code == 0 && done.err.contains(warning), "{call}: {}", done.err);
-        let done = folder.run(&format!("{call} --energy bending+variation"));
+        let done = folder.run(&format!("{call} --energy 2*bending"));
         assert!(done.code == 0 && !done.err.contains("warning"), "{call}: {}", done.err);
     }
 }

@@ -129,7 +129,10 @@ fn help_has_an_example_for_every_verb() {
         assert!(folder.succeed("--help").contains(verb));
         let makes_shrouds = !["check", "info"].contains(&verb);
         for entry in shrouds::energy::catalogue() {
-            let line = help.lines().find(|line| line.trim_start().starts_with(entry.name));
+            let is_its = |line: &&str| {
+                line.strip_prefix("  ").is_some_and(|line| line.starts_with(entry.name))
+            };
+            let line = help.lines().find(is_its);
             assert_eq!(line.is_some(), makes_shrouds, "{verb}: {}", entry.name);
             assert_eq!(
                 line.is_some_and(|line| line.contains('*')),
