@@ -41,7 +41,10 @@ fn optional(value: Option<f64>, show: impl Fn(f64) -> String) -> String {
 }
 
 fn starts(numbers: &Numbers, value: impl Fn(&Multistart) -> f64) -> String {
-    optional(numbers.multistart.as_ref().map(value), |x| format!("{x:.1e}"))
+    optional(numbers.multistart.as_ref().map(value), |x| match x {
+        1e-4.. => format!("{x:.4}"),
+        _ => format!("{x:.0e}"),
+    })
 }
 
 /// Title, table and what its columns mean.
