@@ -31,9 +31,9 @@ impl Failure {
 
 impl From<shrouds::Error> for Failure {
     fn from(error: shrouds::Error) -> Self {
-        use shrouds::Error::{Setting, UnknownPhantom};
+        use shrouds::Error::{Energy, Setting, UnknownPhantom};
         match error {
-            Setting { .. } | UnknownPhantom { .. } => Self::Call(error.to_string()),
+            Energy { .. } | Setting { .. } | UnknownPhantom { .. } => Self::Call(error.to_string()),
             _ => Self::Undone(error.to_string()),
         }
     }

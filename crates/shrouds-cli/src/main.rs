@@ -7,14 +7,19 @@
 mod args;
 mod commands;
 mod console;
+mod energies;
 mod failure;
 mod frame;
 mod input;
+mod measure;
 mod output;
 mod picture;
+mod phantom;
 mod progress;
 mod report;
 mod settings;
+mod truth;
+mod vector;
 mod work;
 
 use std::process::ExitCode;

@@ -28,6 +28,13 @@ impl View {
         Self { camera, style: Style::default(), colour: None }
     }
 
+    /// The same side in so many pixels across and down, of what lies in a box, which fills them.
+    pub(crate) fn small([width, height]: [u32; 2], frame: Option<[[f64; 3]; 2]>) -> Self {
+        let usual = Self::usual();
+        let camera = Camera { frame, ..usual.camera };
+        Self { camera, style: Style { width, height, margin: 0.0, ..usual.style }, ..usual }
+    }
+
     pub(crate) fn new(args: &ViewArgs) -> Self {
         let projection = match args.perspective {
             Some(angle) => Projection::Perspective { angle },

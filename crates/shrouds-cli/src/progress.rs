@@ -37,9 +37,17 @@ impl Progress {
         Self { bar, waiter }
     }
 
+    /// Of which part of the work all that follows is told.
+    pub(crate) fn part(&self, name: &str) {
+        self.bar.set_prefix(format!("{name}: "));
+    }
+
     /// What is being done now.
     pub(crate) fn stage(&self, what: &str) {
-        self.bar.set_style(ProgressStyle::default_spinner());
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {prefix}{msg}") {
+            self.bar.set_style(style);
+        }
+        self.bar.unset_length();
         self.bar.set_message(what.to_owned());
     }
 
@@ -66,7 +74,7 @@ impl Progress {
             return;
         };
         if self.bar.length() != Some(STEPS) {
-            let template = "{spinner} optimizing [{wide_bar}] {percent} %";
+            let template = "{spinner} {prefix}optimizing [{wide_bar}] {percent} %";
             if let Ok(style) = ProgressStyle::with_template(template) {
                 self.bar.set_style(style.progress_chars("=> "));
             }

@@ -179,7 +179,7 @@ impl Report {
 }
 
 impl Input {
-    fn new(source: &Source) -> Self {
+    pub(crate) fn new(source: &Source) -> Self {
         let grid = source.occupancy.grid();
         Self {
             file: name(&source.path),

@@ -1,23 +1,25 @@
 //! From what was typed to settings that the library takes, or a message that says what is wrong.
 
 use serde::Serialize;
-use shrouds::energy::{self, Bending, Curvature, Linear};
 use shrouds::mesh::{MeshKind, Triangles};
 use shrouds::volume::{self, FaceRule};
 use shrouds::{Select, Settings, optimize};
 use shrouds_io::{Progress, VolumeOptions};
 
 use crate::args::{
-    Axes, Border, Energy, Faces, FrameChoice, Parameter, Preset, ShroudArgs, Solver, Start,
-    SurfaceKind, TriangleRule, VolumeArgs,
+    Axes, Border, Faces, FrameChoice, Preset, ShroudArgs, SolveArgs, Solver, Start, SurfaceKind,
+    TriangleRule, VolumeArgs,
 };
+use crate::console::Console;
+use crate::energies;
 use crate::failure::Failure;
 
 /// The settings of a shroud as the report has them.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct SettingsReport {
-    energy: Energy,
-    parameter: Option<Parameter>,
+    /// The one in force, arguments included; left out where every result has its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) energy: Option<String>,
     solver: Solver,
     /// Null for the sweeps.
     pub(crate) preset: Option<Preset>,
@@ -47,16 +49,25 @@ pub(crate) struct Job {
 
 impl Job {
     pub(crate) fn new(args: &ShroudArgs, frame: FrameChoice) -> Result<Self, Failure> {
+        Self::with_energy(&args.solve, args.energy.as_deref(), args.strict, frame)
+    }
+
+    /// With the energy of the preset if none is given.
+    pub(crate) fn with_energy(
+        args: &SolveArgs,
+        energy: Option<&str>,
+        strict: bool,
+        frame: FrameChoice,
+    ) -> Result<Self, Failure> {
         if args.surface == SurfaceKind::Dual && args.border == Border::Open {
             let message = "--surface dual needs --border closed; leave one of them out";
             return Err(Failure::Call(message.into()));
         }
-        let (energy, parameter) = energy(args)?;
-        let preset = preset(args)?;
+        let preset = preset(args, strict)?;
         let settings = Settings {
             faces: face_rule(args.faces),
             border: border(args.border),
-            optimize: optimize_settings(args, energy, preset),
+            optimize: optimize_settings(args, energy, preset)?,
             mesh: match args.surface {
                 SurfaceKind::Primal => MeshKind::Primal,
                 SurfaceKind::Dual => MeshKind::Dual,
@@ -67,8 +78,7 @@ impl Job {
             },
         };
         let report = SettingsReport {
-            energy: args.energy,
-            parameter,
+            energy: Some(settings.optimize.energy().to_string()),
             solver: args.solver,
             preset,
             tolerance: settings.optimize.converges().then(|| settings.optimize.tolerance()),
@@ -81,14 +91,28 @@ impl Job {
             triangles: args.triangles,
             frame,
         };
-        Ok(Self { settings, report, frame, strict: args.strict })
+        Ok(Self { settings, report, frame, strict })
+    }
+
+    /// The energy in force.
+    pub(crate) fn energy(&self) -> String {
+        self.settings.optimize.energy().to_string()
+    }
+
+    /// Warns of an energy that may destroy thin parts.
+    pub(crate) fn warn(&self, console: Console) {
+        if let Some(names) = energies::destructive(&self.energy()) {
+            console.warn(&format!(
+                "{names} may destroy parts one voxel thin; --energy bending keeps them"
+            ));
+        }
     }
 }
 
 /// The preset; the sweeps have none.
-fn preset(args: &ShroudArgs) -> Result<Option<Preset>, Failure> {
-    let to_the_end = if args.strict { "--strict" } else { "--tolerance" };
-    let is_to_the_end = args.strict || args.tolerance.is_some();
+fn preset(args: &SolveArgs, strict: bool) -> Result<Option<Preset>, Failure> {
+    let to_the_end = if strict { "--strict" } else { "--tolerance" };
+    let is_to_the_end = strict || args.tolerance.is_some();
     match (args.solver, args.preset) {
         (Solver::Sweeps, None) => Ok(None),
         (Solver::Sweeps, Some(_)) => Err(Failure::Call(
@@ -105,45 +129,18 @@ fn preset(args: &ShroudArgs) -> Result<Option<Preset>, Failure> {
     }
 }
 
-/// The energy, and the parameter it uses, if it uses one.
-fn energy(args: &ShroudArgs) -> Result<(energy::Energy, Option<Parameter>), Failure> {
-    Ok(match args.energy {
-        Energy::Bending if args.parameter.is_some() => {
-            let message = "--parameter has no meaning for --energy bending: leave it out, or choose --energy curvature or linear";
-            return Err(Failure::Call(message.into()));
-        }
-        Energy::Bending => (Bending.into(), None),
-        Energy::Curvature => {
-            let name = args.parameter.unwrap_or(Parameter::Chord);
-            (Curvature { parameter: parameter(name) }.into(), Some(name))
-        }
-        Energy::Linear => {
-            let name = args.parameter.unwrap_or(Parameter::Uniform);
-            (Linear { parameter: parameter(name) }.into(), Some(name))
-        }
-    })
-}
-
-fn parameter(name: Parameter) -> energy::Parameter {
-    match name {
-        Parameter::Uniform => energy::Parameter::Uniform,
-        Parameter::Chord => energy::Parameter::Chord,
-        Parameter::Centripetal => energy::Parameter::Centripetal,
-    }
-}
-
 fn optimize_settings(
-    args: &ShroudArgs,
-    energy: energy::Energy,
+    args: &SolveArgs,
+    energy: Option<&str>,
     preset: Option<Preset>,
-) -> optimize::Settings {
-    optimize::Settings {
+) -> Result<optimize::Settings, Failure> {
+    Ok(optimize::Settings {
         preset: match preset {
             Some(Preset::Fast) => optimize::Preset::Fast,
             Some(Preset::Default) => optimize::Preset::Default,
             Some(Preset::Exact) | None => optimize::Preset::Exact,
         },
-        energy: Some(energy),
+        energy: energies::read(energy, args.parameter.as_deref())?,
         solver: match args.solver {
             Solver::Newton => optimize::Solver::Newton,
             Solver::Sweeps => optimize::Solver::Sweeps,
@@ -156,7 +153,7 @@ fn optimize_settings(
         tolerance: args.tolerance,
         max_iterations: args.max_iterations.map(|n| n as usize),
         ..optimize::Settings::default()
-    }
+    })
 }
 
 pub(crate) fn face_rule(faces: Faces) -> FaceRule {

@@ -95,7 +95,11 @@ pub(crate) fn shroud(
 }
 
 /// The certificate of a shroud, less the search for self-intersections.
-fn certify(mesh: &TriMesh, volume: &Occupancy, job: &Job) -> Result<CheckReport, Failure> {
+pub(crate) fn certify(
+    mesh: &TriMesh,
+    volume: &Occupancy,
+    job: &Job,
+) -> Result<CheckReport, Failure> {
     let settings = CheckSettings {
         border: job.settings.border,
         faces: job.settings.faces,

@@ -6,7 +6,7 @@
 //! The look is that of the paper (remark 1): constant shading per triangle, ambient and diffuse
 //! light only, since that shows the geometry of a mesh best. The light comes from the viewer's upper
 //! left. Faces seen from their inner side have a darker colour of their own, so that an open border
-//! or an inside-out mesh is noticed.
+//! or an inside-out mesh is noticed. [`Picture::sheet`] puts several pictures on a contact sheet.
 //!
 //! ```
 //! use shrouds::TriMesh;
@@ -38,9 +38,12 @@ mod raster;
 mod line;
 mod paint;
 mod picture;
+mod text;
+mod sheet;
 
 pub use camera::{Axis, Camera, Projection, View};
 pub use error::Error;
 pub use picture::Picture;
 pub use scene::{Colours, LineSet, Scene};
 pub use shade::{Shading, Style};
+pub use sheet::Cell;

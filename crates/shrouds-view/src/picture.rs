@@ -40,9 +40,7 @@ impl Picture {
         let samples = style.samples as usize;
         let size = [width * samples, height * samples].map(|side| side as f64);
         let lens = Lens::new(scene, camera, size, style.margin)?;
-        let mut pixels = Vec::new();
-        let memory = |_| Error::Memory { width: style.width, height: style.height };
-        pixels.try_reserve_exact(width * height * 3).map_err(memory)?;
+        let mut picture = Self::without_pixels(style.width, style.height)?;
 
         let gamma = Gamma::new();
         let background = gamma.sample(style.background);
@@ -57,9 +55,26 @@ impl Picture {
             if let Some(painter) = &painter {
                 painter.paint(&mut band);
             }
-            shrink(band.samples(), width, samples, &gamma, &mut pixels);
+            shrink(band.samples(), width, samples, &gamma, &mut picture.pixels);
         }
-        Ok(Self { width: style.width, height: style.height, pixels })
+        Ok(picture)
+    }
+
+    /// A picture of this size with room for its pixels.
+    pub(crate) fn without_pixels(width: u32, height: u32) -> Result<Self, Error> {
+        let mut pixels = Vec::new();
+        let bytes = width as usize * height as usize * 3;
+        pixels.try_reserve_exact(bytes).map_err(|_| Error::Memory { width, height })?;
+        Ok(Self { width, height, pixels })
+    }
+
+    /// Adds the next pixel.
+    pub(crate) fn push(&mut self, colour: [u8; 3]) {
+        self.pixels.extend(colour);
+    }
+
+    pub(crate) fn pixels_mut(&mut self) -> &mut [u8] {
+        &mut self.pixels
     }
 
     /// Pixels across.

@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 
 use shrouds::TriMesh;
 use shrouds_view::{
-    Axis, Camera, Colours, Error, LineSet, Picture, Projection, Scene, Shading, Style, View,
+    Axis, Camera, Cell, Colours, Error, LineSet, Picture, Projection, Scene, Shading, Style, View,
 };
 
 const BLACK: [u8; 3] = [0; 3];
@@ -418,4 +418,46 @@ fn the_same_bytes_every_time_and_png_brings_the_pixels_back() {
     assert!(pixels == picture.pixels());
     assert_eq!(picture.pixels().len(), 161 * 99 * 3);
     assert_eq!(picture.pixel(161, 0), None);
+}
+
+#[test]
+fn a_contact_sheet_has_every_picture_and_caption() {
+    let colours = [[200, 0, 0], [0, 200, 0], [0, 0, 200]];
+    let cells: Vec<Cell> = colours
+        .iter()
+        .map(|&background| {
+            let style = Style { background, ..plain(150, 60) };
+            let picture = draw(&Scene::new(&TriMesh::default()), &Camera::default(), &style);
+            Cell { picture, title: "bending".into(), note: "+1.2 %".into() }
+        })
+        .collect();
+    let paper = [250, 250, 240];
+    let sheet = Picture::sheet(&cells, 2, paper).expect("it is small");
+    for colour in colours {
+        assert_eq!(count(&sheet, |pixel| pixel == colour), 150 * 60);
+    }
+    let place = |colour| {
+        let pixels = sheet.pixels().as_chunks().0;
+        let first = pixels.iter().position(|&pixel: &[u8; 3]| pixel == colour).unwrap() as u32;
+        [first % sheet.width(), first / sheet.width()]
+    };
+    let [first, second, third] = colours.map(place);
+    assert_eq!((first[1], first[0]), (second[1], third[0]));
+    assert!(second[0] > first[0] + 150 && third[1] > first[1] + 60);
+    // Each caption is written below its picture; the fourth place is empty.
+    let ink = |[x, y]: [u32; 2]| {
+        let marks = |(x, y)| sheet.pixel(x, y).is_some_and(|p| p != paper);
+        let below =
+            (y + 60..third[1] - first[1] + y - 10).flat_map(|y| (x..x + 150).map(move |x| (x, y)));
+        below.filter(|&at| marks(at)).count()
+    };
+    assert!(ink(first) > 300 && ink(first) == ink(second) && ink(first) == ink(third));
+    assert_eq!(ink([second[0], third[1]]), 0);
+
+    let size = |sheet: Result<Picture, Error>| assert!(matches!(sheet, Err(Error::Size { .. })));
+    size(Picture::sheet(&[], 2, paper));
+    size(Picture::sheet(&cells, 0, paper));
+    let wide = draw(&Scene::new(&square(1.0, 0.0)), &top(), &plain(Style::MAX_SIDE, 1));
+    let cell = Cell { picture: wide, ..cells[0].clone() };
+    size(Picture::sheet(&[cell], 1, paper));
 }

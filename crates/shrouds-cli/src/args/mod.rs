@@ -9,13 +9,15 @@ mod volume;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::energies;
+
 pub(crate) use names::{
-    Axes, Border, Energy, Faces, FrameChoice, Parameter, Preset, Solver, SurfaceKind, TriangleRule,
+    Axes, Border, Faces, FrameChoice, Preset, Solver, SurfaceKind, TriangleRule,
 };
-pub(crate) use shroud::ShroudArgs;
+pub(crate) use shroud::{ShroudArgs, SolveArgs};
 pub(crate) use values::Start;
 pub(crate) use verbs::{
-    AZIMUTH, CheckArgs, DemoArgs, ELEVATION, InfoArgs, MeshArgs, RenderArgs, ViewArgs,
+    AZIMUTH, CheckArgs, CompareArgs, DemoArgs, ELEVATION, InfoArgs, MeshArgs, RenderArgs, ViewArgs,
 };
 pub(crate) use volume::VolumeArgs;
 
@@ -50,10 +52,10 @@ pub(crate) struct Common {
 #[derive(Subcommand)]
 pub(crate) enum Verb {
     /// Build a phantom and shroud it: needs no input
-    #[command(after_help = verbs::DEMO_HELP)]
+    #[command(after_help = with_energies(verbs::DEMO_HELP))]
     Demo(DemoArgs),
     /// Turn a segmented volume into its shroud, a smooth triangle mesh
-    #[command(after_help = verbs::MESH_HELP)]
+    #[command(after_help = with_energies(verbs::MESH_HELP))]
     Mesh(MeshArgs),
     /// Certify a mesh, of any origin, against its volume
     #[command(after_help = verbs::CHECK_HELP)]
@@ -62,8 +64,16 @@ pub(crate) enum Verb {
     #[command(after_help = verbs::INFO_HELP)]
     Info(InfoArgs),
     /// Draw a mesh, or the shroud of a volume, into a PNG file
-    #[command(after_help = verbs::RENDER_HELP)]
+    #[command(after_help = with_energies(verbs::RENDER_HELP))]
     Render(RenderArgs),
+    /// Shroud a volume with one energy after the other: a table and a contact sheet to choose by
+    #[command(after_help = with_energies(verbs::COMPARE_HELP))]
+    Compare(CompareArgs),
+}
+
+/// The end of a help text, and the energies there are.
+fn with_energies(text: &str) -> String {
+    format!("{text}\n\n{}", energies::list())
 }
 
 #[cfg(test)]

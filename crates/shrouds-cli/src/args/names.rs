@@ -3,30 +3,6 @@
 use clap::ValueEnum;
 use serde::Serialize;
 
-/// What the curves minimise.
-#[derive(ValueEnum, Serialize, Debug, Clone, Copy, PartialEq, Eq)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum Energy {
-    /// Squared change of direction per length: zero on straight lines
-    Bending,
-    /// Squared curvature of local quadratics, equation 6 of the paper
-    Curvature,
-    /// Squared second derivative of local quadratics, equation 7 of the paper
-    Linear,
-}
-
-/// Where the middle one of three vertices lies on the local quadratic.
-#[derive(ValueEnum, Serialize, Debug, Clone, Copy, PartialEq, Eq)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum Parameter {
-    /// Half-way
-    Uniform,
-    /// By the lengths of the two chords
-    Chord,
-    /// By the square roots of those lengths
-    Centripetal,
-}
-
 /// How the minimum is sought.
 #[derive(ValueEnum, Serialize, Debug, Clone, Copy, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]

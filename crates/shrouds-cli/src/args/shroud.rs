@@ -1,24 +1,37 @@
 //! How a shroud is made.
 
 use clap::Args;
+use clap::builder::PossibleValuesParser;
+use shrouds::energy::Parameter;
 
 use crate::args::values::{self, Start};
-use crate::args::{
-    Border, Energy, Faces, FrameChoice, Parameter, Preset, Solver, SurfaceKind, TriangleRule,
-};
+use crate::args::{Border, Faces, FrameChoice, Preset, Solver, SurfaceKind, TriangleRule};
 
 #[derive(Args)]
 #[command(next_help_heading = "Surface")]
 pub(crate) struct ShroudArgs {
-    /// What the slice curves minimise
-    #[arg(long, value_enum, default_value_t = Energy::Bending)]
-    pub(crate) energy: Energy,
-    /// Parameter of the local quadratics; not for --energy bending, which has none [default: chord
-    /// for curvature, uniform for linear]
-    #[arg(long, value_enum)]
-    pub(crate) parameter: Option<Parameter>,
-    /// How much work newton puts into the minimum [default: default; exact under --tolerance or
-    /// --strict]
+    /// What the slice curves minimise: measures with weights, see below [default: what the preset is
+    /// made for, bending]
+    #[arg(long, value_name = "TEXT", value_parser = values::energy)]
+    pub(crate) energy: Option<String>,
+    #[command(flatten)]
+    pub(crate) solve: SolveArgs,
+    /// Go on until the optimisation converges, and exit with code 3 when it does not; files are still
+    /// written
+    #[arg(long)]
+    pub(crate) strict: bool,
+}
+
+/// All but the energy.
+#[derive(Args, Clone)]
+#[command(next_help_heading = "Surface")]
+pub(crate) struct SolveArgs {
+    /// Parametrisation of the local quadratics, for the measures that have some and are written
+    /// without, as in --energy curvature
+    #[arg(long, value_parser = PossibleValuesParser::new(Parameter::ALL.map(Parameter::name)))]
+    pub(crate) parameter: Option<String>,
+    /// How much work newton puts into the minimum [default: default; exact for compare and under
+    /// --tolerance or --strict]
     #[arg(long, value_enum)]
     pub(crate) preset: Option<Preset>,
     /// How the minimum is sought
@@ -49,10 +62,6 @@ pub(crate) struct ShroudArgs {
     /// How patches are cut into triangles
     #[arg(long, value_enum, default_value_t = TriangleRule::Fitted)]
     pub(crate) triangles: TriangleRule,
-    /// Go on until the optimisation converges, and exit with code 3 when it does not; files are still
-    /// written
-    #[arg(long)]
-    pub(crate) strict: bool,
 }
 
 /// The coordinates of the mesh that is written or checked.

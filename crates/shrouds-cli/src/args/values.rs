@@ -3,6 +3,7 @@
 use std::str::FromStr;
 
 use serde::{Serialize, Serializer};
+use shrouds::energy::Energy;
 
 /// Where the vertices start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,6 +41,11 @@ impl Serialize for Start {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
     }
+}
+
+/// An energy that can be read.
+pub(crate) fn energy(text: &str) -> Result<String, String> {
+    text.parse::<Energy>().map(|_| text.into()).map_err(|error| error.to_string())
 }
 
 /// Three positive lengths.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::args::shroud::FrameArgs;
-use crate::args::{Border, Faces, ShroudArgs, VolumeArgs, values};
+use crate::args::{Border, Faces, ShroudArgs, SolveArgs, VolumeArgs, values};
 
 /// Where the viewer stands unless told otherwise: seen from there each of the linked tori shows its hole.
 pub(crate) const AZIMUTH: f64 = -75.0;
@@ -43,6 +43,17 @@ The options of volume and surface are for volumes only.
 
 Example, the slice curves on the shroud of a small volume, from the upper right:
   shrouds render organs.nii.gz --label 6 --network --azimuth 30 --elevation 40 -o liver.png";
+
+pub(crate) const COMPARE_HELP: &str = "\
+INPUT may also be a phantom, demo:NAME (see `shrouds demo --help`). The table has the distance to its
+surface where that is known: tori, ball, ellipsoid, box, and gyroid from --size 64 on.
+
+Example, three energies on the liver (label 6), each also from five random starts:
+  shrouds compare organs.nii.gz --label 6 --energies 'bending;bending+0.3*variation;linear' \\
+    --multistart 5 --picture sheet.png
+
+The usual list, on two small linked tori:
+  shrouds compare demo:tori --size 24 --picture sheet.png";
 
 #[derive(Args)]
 pub(crate) struct DemoArgs {
@@ -145,6 +156,34 @@ pub(crate) struct RenderArgs {
     pub(crate) volume: VolumeArgs,
     #[command(flatten)]
     pub(crate) shroud: ShroudArgs,
+}
+
+#[derive(Args)]
+pub(crate) struct CompareArgs {
+    /// The volume file: .npy, .nii, .nii.gz or .nrrd; or demo:NAME for a phantom
+    pub(crate) input: PathBuf,
+    /// The energies, parted by semicolons; `preset` stands for what the preset is made for [default:
+    /// that one, those that keep thin parts, variation, and the two of the paper with each
+    /// parametrisation]
+    #[arg(long, visible_alias = "energy", value_name = "LIST")]
+    pub(crate) energies: Option<String>,
+    /// Also start from so many random places, 0 to 1000, and tell how far apart the results lie
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true,
+        value_parser = clap::value_parser!(u64).range(..=1000))]
+    pub(crate) multistart: u64,
+    /// Also draw a contact sheet (PNG): every surface from the same side
+    #[arg(long, value_name = "FILE")]
+    pub(crate) picture: Option<PathBuf>,
+    /// Print the comparison as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Voxels along each side of a phantom, 1 to 2048 [default: 64; 24 for noise]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=2048))]
+    pub(crate) size: Option<u16>,
+    #[command(flatten)]
+    pub(crate) volume: VolumeArgs,
+    #[command(flatten)]
+    pub(crate) solve: SolveArgs,
 }
 
 /// How a picture looks.

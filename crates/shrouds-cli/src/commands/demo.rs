@@ -4,19 +4,20 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use shrouds::volume::phantom::{Phantom, named};
-use shrouds_io::{Frame, write_npy};
+use shrouds_io::write_npy;
 
 use crate::args::{DemoArgs, SurfaceKind};
 use crate::console::{Console, grouped, number, plural, print_json};
 use crate::failure::Failure;
-use crate::input::Source;
 use crate::output::check_targets;
+use crate::phantom;
 use crate::picture::NETWORK_ON_DUAL;
 use crate::progress::Progress;
 use crate::report::Report;
 use crate::settings::Job;
 use crate::work::{Outputs, produce};
+
+const VOLUME: &str = "volume.npy";
 
 /// The files of a demo, in their folder.
 struct Files {
@@ -29,14 +30,15 @@ struct Files {
 pub(crate) fn run(args: &DemoArgs, console: Console) -> Result<(), Failure> {
     let start = Instant::now();
     let job = Job::new(&args.shroud, args.frame.frame)?;
-    if args.network && args.shroud.surface == SurfaceKind::Dual {
+    if args.network && args.shroud.solve.surface == SurfaceKind::Dual {
         return Err(Failure::Call(NETWORK_ON_DUAL.into()));
     }
+    job.warn(console);
     let progress = Progress::new(console.quiet);
     progress.stage("building the phantom");
-    let phantom = named(&args.name, size(args))?;
+    let size = phantom::size(&args.name, args.size);
+    let source = phantom::source(&args.name, size, args.output.join(VOLUME), start)?;
     let files = Files::in_folder(&args.output)?;
-    let source = source(phantom, &files.volume, start)?;
     write_npy(&files.volume, &source.occupancy)?;
     let outputs = Outputs {
         mesh: &files.mesh,
@@ -55,11 +57,6 @@ pub(crate) fn run(args: &DemoArgs, console: Console) -> Result<(), Failure> {
     done.verdict(&job, console)
 }
 
-fn size(args: &DemoArgs) -> usize {
-    let usual = if args.name == "noise" { 24 } else { 64 };
-    args.size.map_or(usual, usize::from)
-}
-
 impl Files {
     /// Makes the folder and finds out whether the files can appear in it.
     fn in_folder(folder: &Path) -> Result<Self, Failure> {
@@ -70,7 +67,7 @@ impl Files {
             ))
         })?;
         let files = Self {
-            volume: folder.join("volume.npy"),
+            volume: folder.join(VOLUME),
             mesh: folder.join("mesh.ply"),
             picture: folder.join("picture.png"),
             report: folder.join("report.json"),
@@ -94,23 +91,6 @@ impl Files {
             about.map(|(path, about)| format!("  {:<width$}  {about}", path.display().to_string()));
         format!("\nFiles\n{}", lines.join("\n"))
     }
-}
-
-fn source(phantom: Phantom, path: &Path, start: Instant) -> Result<Source, Failure> {
-    let Phantom { name, volume, true_volume, true_area } = phantom;
-    if volume.count() == 0 {
-        return Err(Failure::Undone(format!(
-            "the phantom {name} has no voxel inside at this size; raise --size"
-        )));
-    }
-    Ok(Source {
-        path: path.into(),
-        selection: "all but 0".into(),
-        occupancy: volume,
-        frame: Frame { name: "index".into(), unit: "unknown".into(), source: "phantom" },
-        truth: [true_volume, true_area],
-        seconds: start.elapsed().as_secs_f64(),
-    })
 }
 
 /// The numbers as a table for people.

@@ -11,6 +11,7 @@ use crate::args::InfoArgs;
 use crate::console::{Console, grouped, number, print, print_json};
 use crate::failure::Failure;
 use crate::input::{self, Kind, in_words};
+use crate::measure::bounds;
 use crate::progress::Progress;
 use crate::report::name;
 use crate::settings::select;
@@ -169,7 +170,7 @@ impl MeshInfo {
             vertices: mesh.vertices.len(),
             triangles: mesh.triangles.len(),
             normals: !mesh.normals.is_empty(),
-            bounds: bounds(&mesh.vertices),
+            bounds: bounds(mesh.vertices.iter().copied()),
             closed: structure.is_closed(),
             components: structure.components.len(),
             euler: structure.components.iter().map(|component| component.euler).collect(),
@@ -197,16 +198,6 @@ impl MeshInfo {
             ("area", number(self.area)),
         ])
     }
-}
-
-/// Smallest and largest corner of a box around the points.
-fn bounds(points: &[[f64; 3]]) -> Option<[[f64; 3]; 2]> {
-    let first = *points.first()?;
-    Some(points.iter().fold([first; 2], |[low, high], p| {
-        [0, 1].map(|end| {
-            std::array::from_fn(|k| if end == 0 { low[k].min(p[k]) } else { high[k].max(p[k]) })
-        })
-    }))
 }
 
 fn vector(v: [f64; 3]) -> String {

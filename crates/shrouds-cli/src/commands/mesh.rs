@@ -25,6 +25,7 @@ pub(crate) fn run(args: &MeshArgs, console: Console) -> Result<(), Failure> {
         network: false,
     };
     check_files(&args.input, &outputs)?;
+    job.warn(console);
     let progress = Progress::new(console.quiet);
     let source = input::source(&args.input, &args.volume, console, &progress)?;
     let done = produce(&source, &job, &outputs, start, console, &progress)?;

@@ -1,6 +1,7 @@
 //! What each verb does.
 
 mod check;
+mod compare;
 mod demo;
 mod info;
 mod mesh;
@@ -19,5 +20,6 @@ pub(crate) fn run(cli: &Cli) -> Result<(), Failure> {
         Verb::Check(args) => check::run(args, console),
         Verb::Info(args) => info::run(args, console),
         Verb::Render(args) => render::run(args, console),
+        Verb::Compare(args) => compare::run(args, console),
     }
 }

@@ -28,6 +28,7 @@ pub(crate) fn run(args: &RenderArgs, console: Console) -> Result<(), Failure> {
             draw(args, &mesh, &[], &progress)
         }
         Kind::Volume => {
+            job.warn(console);
             let source = input::source(&args.input, &args.volume, console, &progress)?;
             let shroud = work::shroud(&source.occupancy, &job, &progress)?;
             let lines = if args.network { network_lines(&shroud) } else { Vec::new() };
@@ -42,7 +43,7 @@ fn check_network(args: &RenderArgs, kind: Kind) -> Result<(), Failure> {
     let message = match kind {
         _ if !args.network => return Ok(()),
         Kind::Mesh => "--network needs a volume: a mesh file does not hold the slice curves",
-        Kind::Volume if args.shroud.surface == SurfaceKind::Dual => NETWORK_ON_DUAL,
+        Kind::Volume if args.shroud.solve.surface == SurfaceKind::Dual => NETWORK_ON_DUAL,
         Kind::Volume => return Ok(()),
     };
     Err(Failure::Call(message.into()))

@@ -54,6 +54,8 @@ fn settings_that_do_not_go_together() {
     for name in ["uniform", "chord", "centripetal"] {
         let parts = ["--parameter", "--energy bending", "curvature or linear"];
         folder.refuse(&format!("mesh volume.npy -o a.ply --parameter {name}"), 2, &parts);
+        let call = format!("render volume.npy -o a.png --energy bending --parameter {name}");
+        folder.refuse(&call, 2, &parts);
     }
     for preset in ["fast", "default"] {
         for option in ["--strict", "--tolerance 1e-3"] {
@@ -84,6 +86,10 @@ fn values_out_of_range() {
         "--spacing 1,0,1",
         "--threads 0",
         "--energy warp",
+        "--energy 0.3bending",
+        "--energy bending+",
+        "--energy linear(warp)",
+        "--parameter warp",
         "--preset best",
         "--label x",
         "--label 1 --threshold 0.5",
@@ -101,5 +107,38 @@ fn values_out_of_range() {
     }
     assert_eq!(folder.run("").code, 2);
     assert_eq!(folder.run("paint").code, 2);
+    assert_eq!(folder.names(), ["volume.npy"]);
+}
+
+#[test]
+fn comparisons_that_cannot_be_meant() {
+    let folder = Folder::with_tori();
+    let all: Vec<&str> = shrouds::energy::catalogue().iter().map(|entry| entry.name).collect();
+    let done = folder.run("mesh volume.npy -o a.ply --energy warp");
+    assert!(done.code == 2 && all.iter().all(|name| done.err.contains(name)), "{}", done.err);
+    let parts = [&["--energies", "warp"], &all[..]].concat();
+    folder.refuse("compare volume.npy --energies bending;warp", 2, &parts);
+    for list in [";", ";;"] {
+        folder.refuse(
+            &format!("compare volume.npy --energies {list}"),
+            2,
+            &["--energies", "leave it out"],
+        );
+    }
+    let parts = ["no/sheet.png", "folder does not exist"];
+    folder.refuse("compare missing.npy --picture no/sheet.png", 1, &parts);
+    folder.refuse("compare volume.npy --picture sheet.jpg", 2, &["sheet.jpg", ".png"]);
+    folder.refuse("compare volume.tif", 2, &["volume.tif", ".npy"]);
+    folder.refuse("compare volume.ply", 2, &["volume.ply", ".npy"]);
+    folder.refuse("compare demo:nothing", 2, &["nothing", "tori"]);
+    folder.refuse("compare volume.npy --size 8", 2, &["--size"]);
+    for option in ["--label 1", "--threshold 0", "--spacing 1,1,2"] {
+        folder.refuse(&format!("compare demo:tori {option}"), 2, &["--label, --threshold"]);
+    }
+    folder.refuse("compare volume.npy --preset fast --tolerance 1e-3", 2, &["use --preset exact"]);
+    for option in ["--multistart -1", "--multistart 1001", "--energies"] {
+        let done = folder.run(&format!("compare volume.npy {option}"));
+        assert!(done.code == 2 && done.err.contains("--"), "{option}: {}", done.err);
+    }
     assert_eq!(folder.names(), ["volume.npy"]);
 }

@@ -9,6 +9,7 @@ fn all_refuse(folder: &Folder, file: &str, parts: &[&str]) {
     folder.refuse(&format!("mesh {file} -o out.ply --picture p.png --report r.json"), 1, parts);
     folder.refuse(&format!("mesh {file} -o out.ply --json"), 1, parts);
     folder.refuse(&format!("render {file} -o out.png"), 1, parts);
+    folder.refuse(&format!("compare {file} --picture out.png --json"), 1, parts);
 }
 
 #[test]

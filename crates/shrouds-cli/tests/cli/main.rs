@@ -8,5 +8,6 @@ mod common;
 mod bad_calls;
 mod bad_input;
 mod check;
+mod compare;
 mod mesh;
 mod verbs;

@@ -78,10 +78,11 @@ fn settings_reach_the_library() {
     let mut seen = Vec::new();
     for options in [
         "",
-        "--energy curvature",
-        "--energy curvature --parameter centripetal",
-        "--energy linear",
-        "--energy linear --solver sweeps --tolerance 1e-3",
+        "--energy curvature(chord)",
+        "--energy curvature(centripetal)",
+        "--energy linear(uniform)",
+        "--energy linear(uniform) --solver sweeps --tolerance 1e-3",
+        "--energy bending+0.3*variation",
         "--preset fast",
         "--preset exact",
         "--start random:5 --max-iterations 0",
@@ -285,4 +286,41 @@ fn axes_of_an_array() {
         (0..3).max_by(|&a, &b| reach(a).total_cmp(&reach(b))).unwrap()
     };
     assert_eq!((longest(""), longest("--axes zyx"), longest("--axes xyz")), (0, 0, 2));
+}
+
+#[test]
+fn the_energy_in_force_is_told() {
+    let folder = Folder::with_tori();
+    let told = |options: &str| {
+        let text = folder.succeed(&format!("mesh volume.npy -o out.ply --json --quiet {options}"));
+        let report: Value = serde_json::from_str(&text).unwrap();
+        report["settings"]["energy"].as_str().unwrap().to_owned()
+    };
+    for (options, energy) in [
+        ("", "bending"),
+        ("--energy curvature", "curvature(chord)"),
+        ("--energy linear --parameter centripetal", "linear(centripetal)"),
+        (
+            "--energy bending+2*curvature+linear(chord) --parameter uniform",
+            "bending+2*curvature(uniform)+linear(chord)",
+        ),
+    ] {
+        assert_eq!(told(options), energy);
+    }
+}
+
+#[test]
+fn an_energy_that_may_destroy_is_warned_of() {
+    let folder = Folder::with_tori();
+    let warning = "warning: linear may destroy parts one voxel thin";
+    for call in [
+        "mesh volume.npy -o out.ply",
+        "render volume.npy -o out.png",
+        "demo point --size 8 --output demo",
+    ] {
+        let done = folder.run(&format!("{call} --energy bending+linear"));
+        assert!(done.code == 0 && done.err.contains(warning), "{call}: {}", done.err);
+        let done = folder.run(&format!("{call} --energy 2*bending"));
+        assert!(done.code == 0 && !done.err.contains("warning"), "{call}: {}", done.err);
+    }
 }

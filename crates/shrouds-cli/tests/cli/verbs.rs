@@ -119,7 +119,7 @@ fn render_draws_meshes_and_volumes() {
 #[test]
 fn help_has_an_example_for_every_verb() {
     let folder = Folder::new();
-    for verb in ["demo", "mesh", "check", "info", "render"] {
+    for verb in ["demo", "mesh", "check", "info", "render", "compare"] {
         let help = folder.succeed(&format!("{verb} --help"));
         assert!(
             help.contains("Example") && help.contains(&format!("\n  shrouds {verb} ")),
@@ -127,6 +127,18 @@ fn help_has_an_example_for_every_verb() {
         );
         assert!(help.contains("--threads") && help.contains("--quiet"), "{verb}");
         assert!(folder.succeed("--help").contains(verb));
+        let makes_shrouds = !["check", "info"].contains(&verb);
+        for entry in shrouds::energy::catalogue() {
+            let is_its = |line: &&str| {
+                line.strip_prefix("  ").is_some_and(|line| line.starts_with(entry.name))
+            };
+            let line = help.lines().find(is_its);
+            assert_eq!(line.is_some(), makes_shrouds, "{verb}: {}", entry.name);
+            assert_eq!(
+                line.is_some_and(|line| line.contains('*')),
+                makes_shrouds && !entry.keeps_thin_parts
+            );
+        }
     }
     assert!(folder.succeed("--version").contains(env!("CARGO_PKG_VERSION")));
 }

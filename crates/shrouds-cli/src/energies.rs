@@ -1,0 +1,160 @@
+//! Energies as they are typed: what there are, and what the text of one names.
+
+use shrouds::energy::{Energy, Entry, Parameter, catalogue};
+
+use crate::failure::Failure;
+
+/// What the catalogue calls the argument that `--parameter` gives.
+const PARAMETER: &str = "[parameter]";
+
+/// The energy of a text, its measures without a parametrisation having this one; none without a text.
+pub(crate) fn read(text: Option<&str>, parameter: Option<&str>) -> Result<Option<Energy>, Failure> {
+    match (text, parameter) {
+        (None, None) => Ok(None),
+        (Some(text), None) => Ok(Some(text.parse()?)),
+        (Some(text), Some(parameter)) if takes_parameter(text) => {
+            Ok(Some(completed(text, parameter).parse()?))
+        }
+        (text, Some(_)) => {
+            let names = catalogue().iter().filter(|entry| entry.arguments == PARAMETER);
+            let names: Vec<&str> = names.map(|entry| entry.name).collect();
+            Err(Failure::Call(format!(
+                "--parameter cannot go into --energy {}: leave it out, or choose an energy with {}",
+                text.unwrap_or("bending"),
+                names.join(" or ")
+            )))
+        }
+    }
+}
+
+/// Whether a measure of the text takes a parametrisation.
+pub(crate) fn takes_parameter(text: &str) -> bool {
+    measures(text).any(|(_, entry)| entry.arguments == PARAMETER)
+}
+
+/// The text with a parametrisation for every measure that takes one and is written without.
+fn completed(text: &str, parameter: &str) -> String {
+    let mut whole = String::new();
+    let mut done = 0;
+    for (end, entry) in measures(text) {
+        if entry.arguments == PARAMETER && !text[end..].trim_start().starts_with('(') {
+            whole += &format!("{}({parameter})", &text[done..end]);
+            done = end;
+        }
+    }
+    whole + &text[done..]
+}
+
+/// The measures of a text and where their names end.
+fn measures(text: &str) -> impl Iterator<Item = (usize, &'static Entry)> {
+    let is_letter = |c: char| c.is_ascii_alphanumeric();
+    let mut end = 0;
+    text.split_inclusive(move |c| !is_letter(c)).filter_map(move |word| {
+        let name = word.trim_end_matches(|c| !is_letter(c));
+        let here = end + name.len();
+        end += word.len();
+        catalogue().iter().find(|entry| entry.name == name).map(|entry| (here, entry))
+    })
+}
+
+/// The names of the measures of a text that may destroy thin parts, if there are some.
+pub(crate) fn destructive(text: &str) -> Option<String> {
+    let mut names: Vec<&str> = measures(text)
+        .filter(|(_, entry)| !entry.keeps_thin_parts)
+        .map(|(_, entry)| entry.name)
+        .collect();
+    names.dedup();
+    (!names.is_empty()).then(|| names.join(" and "))
+}
+
+/// The energies that a comparison is of unless told otherwise, but for that of the preset: those that
+/// keep thin parts, the variation of curvature, and the two of the paper with every parametrisation.
+pub(crate) fn usual() -> Vec<String> {
+    let safe = catalogue().iter().filter(|entry| entry.keeps_thin_parts).map(|entry| entry.name);
+    let alone = |name: &&str| name.parse::<Energy>().is_ok();
+    let paper = ["curvature", "linear"].into_iter().flat_map(|name| {
+        Parameter::ALL.into_iter().map(move |parameter| format!("{name}({parameter})"))
+    });
+    let mut all: Vec<String> = safe.filter(alone).chain(["variation"]).map(str::to_owned).collect();
+    all.extend(paper);
+    all
+}
+
+/// All measures with what they are, a line each.
+pub(crate) fn list() -> String {
+    let name = |entry: &Entry| match entry.arguments {
+        "" => entry.name.to_owned(),
+        arguments => format!("{}({arguments})", entry.name),
+    };
+    let width = catalogue().iter().map(|entry| name(entry).len()).max().unwrap_or(0);
+    let line = |entry: &Entry| {
+        let mark = if entry.keeps_thin_parts { ' ' } else { '*' };
+        let indent = " ".repeat(width + 5);
+        let summary = wrapped(entry.summary, 98 - indent.len()).join(&format!("\n{indent}"));
+        format!("  {:<width$} {mark} {summary}", name(entry))
+    };
+    let lines: Vec<String> = catalogue().iter().map(line).collect();
+    format!(
+        "Energies are sums of these measures with weights, such as bending+0.3*variation:\n{}\n\
+         * may destroy parts one voxel thin. Parameters: {}.",
+        lines.join("\n"),
+        Parameter::ALL.map(Parameter::name).join(", ")
+    )
+}
+
+/// The words in lines of at most so many letters, unless a word has more.
+fn wrapped(text: &str, letters: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + word.chars().count() < letters => {
+                *line += " ";
+                *line += word;
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_parameter_goes_where_none_is() {
+        for (text, whole) in [
+            ("curvature", "curvature(chord)"),
+            ("2*linear + bending", "2*linear(chord) + bending"),
+            ("curvature (uniform)+linear", "curvature (uniform)+linear(chord)"),
+        ] {
+            assert_eq!(completed(text, "chord"), whole);
+        }
+        let energy = read(Some("linear+curvature"), Some("uniform")).unwrap().unwrap();
+        assert_eq!(energy.to_string(), "linear(uniform)+curvature(uniform)");
+        assert!(read(None, None).unwrap().is_none());
+        for text in [None, Some("bending"), Some("bending+2*length")] {
+            let failure = read(text, Some("chord")).unwrap_err();
+            assert!(failure.message().contains("--parameter cannot go"), "{failure:?}");
+        }
+    }
+
+    #[test]
+    fn measures_that_may_destroy_are_named() {
+        assert_eq!(destructive("2*bending+0.5*bending"), None);
+        assert_eq!(destructive("bending+0.5*linear(chord)").as_deref(), Some("linear"));
+        assert_eq!(destructive("linear+curvature").as_deref(), Some("linear and curvature"));
+    }
+
+    #[test]
+    fn the_usual_energies_can_be_read() {
+        let all = usual();
+        assert!(all.iter().all(|text| text.parse::<Energy>().is_ok()), "{all:?}");
+        assert!(
+            ["bending", "variation", "linear(uniform)"]
+                .map(str::to_owned)
+                .iter()
+                .all(|e| all.contains(e))
+        );
+    }
+}

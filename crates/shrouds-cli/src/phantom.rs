@@ -1,0 +1,39 @@
+//! Phantoms as sources of volumes.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use shrouds::volume::phantom::{Phantom, named};
+use shrouds_io::Frame;
+
+use crate::failure::Failure;
+use crate::input::Source;
+
+/// Voxels along each side of a phantom unless told otherwise: noise is all surface.
+pub(crate) fn size(name: &str, wanted: Option<u16>) -> usize {
+    let usual = if name == "noise" { 24 } else { 64 };
+    wanted.map_or(usual, usize::from)
+}
+
+/// The phantom of a name as if it were read from a file; nothing inside is a failure.
+pub(crate) fn source(
+    name: &str,
+    size: usize,
+    path: PathBuf,
+    start: Instant,
+) -> Result<Source, Failure> {
+    let Phantom { name, volume, true_volume, true_area } = named(name, size)?;
+    if volume.count() == 0 {
+        return Err(Failure::Undone(format!(
+            "the phantom {name} has no voxel inside at this size; raise --size"
+        )));
+    }
+    Ok(Source {
+        path,
+        selection: "all but 0".into(),
+        occupancy: volume,
+        frame: Frame { name: "index".into(), unit: "unknown".into(), source: "phantom" },
+        truth: [true_volume, true_area],
+        seconds: start.elapsed().as_secs_f64(),
+    })
+}
