@@ -6,6 +6,7 @@
 //!
 //! Uses: `grid`, `volume`, `surface`, `network`, `energy`.
 
+mod alone;
 mod around;
 mod blur;
 mod conjugate;
@@ -23,6 +24,7 @@ mod sweeps;
 mod tile;
 mod univariate;
 
+pub use alone::minimise_vertex;
 pub use report::{Report, Round, Status};
 pub use settings::{Observer, Preset, Progress, Settings, Solver, Start};
 
@@ -59,13 +61,8 @@ pub fn optimize(
     observer: &mut Observer,
 ) -> Result<Optimum, Error> {
     settings.validate()?;
-    let grid = surface.grid();
     let energy = settings.energy();
-    let conditions = Conditions {
-        energy: &energy,
-        spacing: grid.spacing().map(|h| h / grid.min_spacing()),
-        bounds: [settings.margin, 1.0 - settings.margin],
-    };
+    let conditions = Conditions::new(surface, settings, &energy);
     let x = start::positions(surface, &settings.start, conditions.spacing, conditions.bounds);
     Ok(match relax::passes(settings.preset) {
         Some(passes) if !settings.converges() && !x.is_empty() => {

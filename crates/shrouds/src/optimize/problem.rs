@@ -6,8 +6,10 @@ use std::ops::{Add, Range};
 use crate::energy::{CurveEnergy, Energy, LANES, Lanes, Support};
 use crate::network::{Network, REPEATED};
 use crate::optimize::real::Real;
+use crate::optimize::settings::Settings;
 use crate::optimize::strip::{Lengths, STRIP, Strip};
 use crate::parallel::{self, NONE};
+use crate::surface::Surface;
 
 /// Largest barrier strength, and the least weight factor `1 − n_p²`.
 const BARRIER_CAP: f64 = 0.01;
@@ -23,6 +25,14 @@ pub(super) struct Conditions<'a> {
     pub(super) spacing: [f64; 3],
     /// Between what the positions must stay.
     pub(super) bounds: [f64; 2],
+}
+
+impl<'a> Conditions<'a> {
+    pub(super) fn new(surface: &Surface, settings: &Settings, energy: &'a Energy) -> Self {
+        let grid = surface.grid();
+        let spacing = grid.spacing().map(|h| h / grid.min_spacing());
+        Self { energy, spacing, bounds: [settings.margin, 1.0 - settings.margin] }
+    }
 }
 
 /// The function to minimise. Weights and barrier depend on the surface; they are frozen while
