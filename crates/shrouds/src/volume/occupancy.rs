@@ -128,6 +128,28 @@ impl Occupancy {
         Self { grid, words_per_row: self.words_per_row, words }
     }
 
+    /// The slice of lattice points with index `index` along `axis`, an image of one slice along z in
+    /// its place in the world: its x is the axis after `axis` and its y the one after that, so that x
+    /// and y stay what they are in a slice across z.
+    ///
+    /// # Errors
+    /// [`Error::NoSlice`] when there is no such slice.
+    ///
+    /// # Panics
+    /// When `axis` is not 0, 1 or 2.
+    pub fn slice(&self, axis: usize, index: usize) -> Result<Self, Error> {
+        let last = self.grid.dims()[axis] - 1;
+        if index > last {
+            return Err(Error::NoSlice { axis: ['x', 'y', 'z'][axis], index, last });
+        }
+        let at = |i, j| match axis {
+            0 => [index, i, j],
+            1 => [j, index, i],
+            _ => [i, j, index],
+        };
+        Ok(Self::from_fn(self.grid.slice(axis, index), |[i, j, _]| self.get(at(i, j))))
+    }
+
     /// Number of inside lattice points.
     pub fn count(&self) -> u64 {
         self.words.iter().map(|w| u64::from(w.count_ones())).sum()
