@@ -162,7 +162,7 @@ fn is_allowed(image: &Occupancy, border: Border) -> bool {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(60))]
+    #![proptest_config(ProptestConfig::with_cases(30))]
 
     #[test]
     fn every_lattice_point_is_on_its_side(image in images(), seed in 0..1000u64) {
@@ -439,25 +439,50 @@ fn a_vertex_alone_goes_where_the_energy_is_least() {
 }
 
 #[test]
-fn a_sweep_is_one_step_after_the_other() {
-    // Figure 1: moving one vertex after the other is the first sweep.
+fn figure_1_one_vertex_then_a_sweep_then_the_optimum() {
+    // Energies of the three states of the figure, without weights and barrier.
     let (image, _) = disc(4.6);
     let surface = Surface::of_image(&image, FaceRule::Separate, Border::Closed).unwrap();
     let settings = optimize::Settings {
-        energy: Some(Curvature::default().into()),
+        energy: Some(Linear::default().into()),
         solver: Solver::Sweeps,
         start: Start::Midpoint,
-        max_iterations: Some(1),
         ..Default::default()
     };
+    let run = |settings: &optimize::Settings| {
+        optimize(&surface, settings, &mut |_| ControlFlow::Continue(())).unwrap()
+    };
+    let sweep = run(&optimize::Settings { max_iterations: Some(1), ..settings.clone() });
+    let last = run(&settings);
+    assert_eq!((sweep.report.iterations, last.report.status), (1, Status::Converged));
+
+    // Moving one vertex after the other is the first sweep.
     let mut delta = vec![0.5; surface.vertex_count()];
+    let mut energies = Vec::new();
     for v in 0..delta.len() {
         delta[v] = minimise_vertex(&surface, &settings, &delta, v as u32).unwrap();
+        let polygons = place(&image, &surface, &delta);
+        assert_eq!(wrong_side(&image, &polygons, Border::Closed), 0);
+        energies.push(sum_of_second_differences(&polygons));
     }
-    let sweep = optimize(&surface, &settings, &mut |_| ControlFlow::Continue(())).unwrap();
     let far = delta.iter().zip(&sweep.delta).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(far < 1e-12, "{far}");
-    assert_eq!(sweep.report.iterations, 1);
+    let [first, swept] = sweep.report.energy;
+    let [_, least] = last.report.energy;
+    assert!(energies.windows(2).all(|pair| pair[1] <= pair[0] + 1e-12));
+    assert!(energies[0] <= first && swept < energies[0] && least < swept);
+    assert!((energies[delta.len() - 1] / swept - 1.0).abs() < 1e-12);
+}
+
+/// Equation 7 with a uniform parameter.
+fn sum_of_second_differences(polygons: &[Polygon]) -> f64 {
+    let at = |polygon: &Polygon, n: usize, k: usize| {
+        let count = polygon.index.len();
+        let [a, b, c] = [n, n + 1, n + 2].map(|n| polygon.index[n % count][k]);
+        16.0 * (a - 2.0 * b + c).powi(2)
+    };
+    let of = |p: &Polygon| (0..p.index.len()).map(|n| at(p, n, 0) + at(p, n, 1)).sum::<f64>();
+    polygons.iter().map(of).sum()
 }
 
 #[test]
