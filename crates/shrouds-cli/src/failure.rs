@@ -31,9 +31,11 @@ impl Failure {
 
 impl From<shrouds::Error> for Failure {
     fn from(error: shrouds::Error) -> Self {
-        use shrouds::Error::{Setting, UnknownPhantom};
+        use shrouds::Error::{NoSlice, Setting, UnknownPhantom};
         match error {
-            Setting { .. } | UnknownPhantom { .. } => Self::Call(error.to_string()),
+            NoSlice { .. } | Setting { .. } | UnknownPhantom { .. } => {
+                Self::Call(error.to_string())
+            }
             _ => Self::Undone(error.to_string()),
         }
     }

@@ -179,7 +179,7 @@ impl Report {
 }
 
 impl Input {
-    fn new(source: &Source) -> Self {
+    pub(crate) fn new(source: &Source) -> Self {
         let grid = source.occupancy.grid();
         Self {
             file: name(&source.path),
@@ -208,7 +208,7 @@ impl Topology {
 }
 
 impl Solver {
-    fn new(report: &optimize::Report) -> Self {
+    pub(crate) fn new(report: &optimize::Report) -> Self {
         let [first, last] = report.energy;
         Self {
             status: report.status.name(),

@@ -2,6 +2,7 @@
 //! those of the libraries.
 
 mod names;
+mod polygon;
 mod shroud;
 mod values;
 mod verbs;
@@ -12,6 +13,7 @@ use clap::{Args, Parser, Subcommand};
 pub(crate) use names::{
     Axes, Border, Energy, Faces, FrameChoice, Parameter, Preset, Solver, SurfaceKind, TriangleRule,
 };
+pub(crate) use polygon::{PolygonArgs, Slice};
 pub(crate) use shroud::ShroudArgs;
 pub(crate) use values::Start;
 pub(crate) use verbs::{
@@ -64,6 +66,9 @@ pub(crate) enum Verb {
     /// Draw a mesh, or the shroud of a volume, into a PNG file
     #[command(after_help = verbs::RENDER_HELP)]
     Render(RenderArgs),
+    /// Separate an image, or a slice of a volume: the same in two dimensions
+    #[command(after_help = polygon::POLYGON_HELP)]
+    Polygon(PolygonArgs),
 }
 
 #[cfg(test)]

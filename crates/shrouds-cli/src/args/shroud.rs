@@ -7,7 +7,7 @@ use crate::args::{
     Border, Energy, Faces, FrameChoice, Parameter, Preset, Solver, SurfaceKind, TriangleRule,
 };
 
-#[derive(Args)]
+#[derive(Args, Clone)]
 #[command(next_help_heading = "Surface")]
 pub(crate) struct ShroudArgs {
     /// What the slice curves minimise

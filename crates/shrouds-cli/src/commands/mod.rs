@@ -4,6 +4,7 @@ mod check;
 mod demo;
 mod info;
 mod mesh;
+mod polygon;
 mod render;
 
 use crate::args::{Cli, Verb};
@@ -19,5 +20,6 @@ pub(crate) fn run(cli: &Cli) -> Result<(), Failure> {
         Verb::Check(args) => check::run(args, console),
         Verb::Info(args) => info::run(args, console),
         Verb::Render(args) => render::run(args, console),
+        Verb::Polygon(args) => polygon::run(args, console),
     }
 }

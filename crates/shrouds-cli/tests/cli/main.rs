@@ -9,4 +9,5 @@ mod bad_calls;
 mod bad_input;
 mod check;
 mod mesh;
+mod polygon;
 mod verbs;
