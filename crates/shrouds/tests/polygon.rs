@@ -10,7 +10,9 @@ use std::ops::ControlFlow;
 use common::CONVENTIONS;
 use proptest::prelude::*;
 use robust::{Coord, orient2d};
-use shrouds::energy::{Bending, Curvature, CurveEnergy, Linear, Variation};
+use shrouds::energy::{
+    Bending, Curvature, CurveEnergy, CurveFormula, Linear, Point2, Scalar, Variation,
+};
 use shrouds::optimize::{self, Preset, Solver, Start, Status, minimise_vertex, optimize};
 use shrouds::polygon::{Polygon, Separation, place, separate};
 use shrouds::surface::Surface;
@@ -322,20 +324,42 @@ fn one_pixel_has_the_least_energy_of_all_places() {
     assert!(last <= least * (1.0 + 1e-9), "{last}, {least}");
 }
 
+/// Bending without its barrier.
+struct Weighted;
+
+impl CurveFormula for Weighted {
+    fn residual<S: Scalar>(&self, points: [Point2<S>; 4]) -> [S; 2] {
+        Bending.residual(points)
+    }
+
+    fn meusnier_exponent(&self) -> f64 {
+        5.0
+    }
+}
+
 #[test]
 fn the_energy_is_that_of_the_polygons_alone() {
     // No term of a curve across the image: the sum over the polygons is all of it.
+    // The plane of an image is across its polygons, so Meusnier weights are 1.
     let (image, _) = disc(6.4);
-    let mut settings = exact(Curvature::default());
-    settings.optimize.start = Start::Random(5);
-    let found = separate(&image, &settings).unwrap();
-    let chains = Chains::new(&found);
-    let x = chains.delta(&found.delta);
-    let energy = chains.energy(&Curvature::default(), &x);
-    assert!((found.report.energy[1] / energy - 1.0).abs() < 1e-12);
+    let compare = |mut settings: Settings, measure: &dyn CurveEnergy| {
+        settings.optimize.start = Start::Random(5);
+        let found = separate(&image, &settings).unwrap();
+        let chains = Chains::new(&found);
+        let energy = chains.energy(measure, &chains.delta(&found.delta));
+        assert!((found.report.energy[1] / energy - 1.0).abs() < 1e-12);
+        found
+    };
+    compare(exact(Weighted), &Weighted);
+    let settings = exact(Curvature::default());
+    let found = compare(settings.clone(), &Curvature::default());
     // And it does not depend on how far slices lie apart.
     let far = Grid::new(image.grid().dims(), [1.0, 1.0, 0.01]).unwrap();
     let far = Occupancy::from_fn(far, |index| image.get(index));
+    let settings = Settings {
+        optimize: optimize::Settings { start: Start::Random(5), ..settings.optimize },
+        ..settings
+    };
     assert_eq!(separate(&far, &settings).unwrap().delta, found.delta);
 }
 

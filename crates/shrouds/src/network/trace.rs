@@ -113,7 +113,7 @@ impl Links {
             // No curve leads across an image: every vertex is one by itself.
             for (step, crossing) in links.steps.iter_mut().zip(surface.crossings()) {
                 if crossing.axis() != normal {
-                    *step = Step::last(normal, crossing.axis() == (normal + 2) % 3);
+                    *step = Step::alone(normal, crossing.axis() == (normal + 2) % 3);
                 }
             }
         }

@@ -11,8 +11,8 @@ pub(super) const STRIP: usize = 256;
 /// Places that a strip holds: its own, three before and after them, and what the last lanes read beyond.
 pub(super) const LONG: usize = STRIP + 2 * REPEATED + LANES;
 
-/// How far across the grid edge a place that is not there is taken to lie: so far that a tangent, which
-/// minds the nearer of two neighbours more, is that to the neighbour there is, if there is one.
+/// Where a place that is not there is taken to lie: so far that a tangent, which minds the nearer of
+/// two neighbours more, is that to the neighbour there is, if there is one.
 const FAR: f64 = 1e5;
 
 /// Lengths in units of the smallest spacing that turn the step of a place into numbers.
@@ -71,9 +71,8 @@ impl<R: Real, const LENGTH: usize> Strip<R, LENGTH> {
                 *moves = if step.runs_second() == (k == 1) { length } else { zero };
             }
             for (shift, step) in self.shift[k][range.clone()].iter_mut().zip(steps) {
-                let here = length * R::from_i32(step.shift()[k]);
-                let gone = if step.runs_second() == (k == 1) { zero } else { far };
-                *shift = if step.is_linked() { here } else { gone };
+                let unit = if step.is_linked() { length } else { far };
+                *shift = unit * R::from_i32(step.shift()[k]);
             }
             let positions = self.positions[range.clone()].iter().zip(&self.moves[k][range.clone()]);
             for (offset, (&x, &moves)) in self.offset[k][range.clone()].iter_mut().zip(positions) {
