@@ -31,9 +31,11 @@ impl Failure {
 
 impl From<shrouds::Error> for Failure {
     fn from(error: shrouds::Error) -> Self {
-        use shrouds::Error::{Energy, Setting, UnknownPhantom};
+        use shrouds::Error::{Energy, NoSlice, Setting, UnknownPhantom};
         match error {
-            Energy { .. } | Setting { .. } | UnknownPhantom { .. } => Self::Call(error.to_string()),
+            Energy { .. } | NoSlice { .. } | Setting { .. } | UnknownPhantom { .. } => {
+                Self::Call(error.to_string())
+            }
             _ => Self::Undone(error.to_string()),
         }
     }

@@ -208,7 +208,7 @@ impl Topology {
 }
 
 impl Solver {
-    fn new(report: &optimize::Report) -> Self {
+    pub(crate) fn new(report: &optimize::Report) -> Self {
         let [first, last] = report.energy;
         Self {
             status: report.status.name(),

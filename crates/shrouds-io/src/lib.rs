@@ -27,7 +27,9 @@ mod volume;
 
 pub use atomic::write_atomically;
 pub use error::Error;
-pub use mesh::{MeshFormat, MeshOptions, Precision, mesh_format, read_mesh, write_mesh};
+pub use mesh::{
+    Line, MeshFormat, MeshOptions, Precision, mesh_format, read_mesh, write_lines, write_mesh,
+};
 pub use stream::Progress;
 pub use volume::{
     Axes, Frame, Values, Volume, VolumeFormat, VolumeOptions, read_occupancy, read_volume,

@@ -8,6 +8,8 @@
 //! left. Faces seen from their inner side have a darker colour of their own, so that an open border
 //! or an inside-out mesh is noticed. [`Picture::sheet`] puts several pictures on a contact sheet.
 //!
+//! Images and their polygons, the method in two dimensions, are drawn as SVG by [`Plan`].
+//!
 //! ```
 //! use shrouds::TriMesh;
 //! use shrouds_view::{Camera, LineSet, Picture, Scene, Style, View};
@@ -40,10 +42,12 @@ mod paint;
 mod picture;
 mod text;
 mod sheet;
+mod plan;
 
 pub use camera::{Axis, Camera, Projection, View};
 pub use error::Error;
 pub use picture::Picture;
+pub use plan::Plan;
 pub use scene::{Colours, LineSet, Scene};
 pub use shade::{Shading, Style};
 pub use sheet::Cell;

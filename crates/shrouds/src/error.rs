@@ -69,6 +69,24 @@ pub enum Error {
         /// Lattice points along x, y, z.
         dims: [usize; 3],
     },
+    /// A volume of several slices stands where an image is wanted.
+    #[error(
+        "an image has one slice along z, not the {slices} of this volume; take one of them with Occupancy::slice"
+    )]
+    NotAnImage {
+        /// Lattice points along z.
+        slices: usize,
+    },
+    /// There is no such slice.
+    #[error("there is no slice {axis}={index}: they go from {axis}=0 to {axis}={last}")]
+    NoSlice {
+        /// The axis across the slices: x, y or z.
+        axis: char,
+        /// The slice asked for.
+        index: usize,
+        /// The last one there is.
+        last: usize,
+    },
     /// No phantom has this name.
     #[error("there is no phantom named {name:?}; choose one of {known}")]
     UnknownPhantom {

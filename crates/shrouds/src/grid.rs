@@ -6,6 +6,7 @@
 use std::ops::Range;
 
 use crate::error::Error;
+use crate::vector::{cross, length, scale};
 
 /// Dimensions, spacing and world frame of a lattice.
 ///
@@ -164,6 +165,26 @@ impl Grid {
         Self { dims, spacing: self.spacing, affine }
     }
 
+    /// The lattice points of one slice, index `[i, j, 0]` of which has index `i` along axis `axis + 1`
+    /// and `j` along `axis + 2` (modulo 3) of the whole, in their places in the world. Its third axis
+    /// is normal to the slice, with the smaller spacing of the other two.
+    pub(crate) fn slice(&self, axis: usize, index: usize) -> Self {
+        let axes = [(axis + 1) % 3, (axis + 2) % 3];
+        let [u, v] = axes.map(|c| self.affine.map(|row| row[c]));
+        let spacing = axes.map(|c| self.spacing[c]);
+        let step = spacing[0].min(spacing[1]);
+        let normal = cross(u, v);
+        let normal = scale(normal, step / length(normal));
+        let mut corner = [0.0; 3];
+        corner[axis] = index as f64;
+        let corner = self.point(corner);
+        Self {
+            dims: [self.dims[axes[0]], self.dims[axes[1]], 1],
+            spacing: [spacing[0], spacing[1], step],
+            affine: std::array::from_fn(|r| [u[r], v[r], normal[r], corner[r]]),
+        }
+    }
+
     fn determinant(&self) -> f64 {
         let a = &self.affine;
         a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1])
@@ -206,6 +227,26 @@ mod tests {
         let padded = grid.padded(1).unwrap();
         for (a, b) in padded.point([4.0, 5.0, 6.0]).iter().zip(grid.point([3.0, 4.0, 5.0])) {
             assert!((a - b).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_slice_stays_in_its_place() {
+        let grid = Grid::with_affine([5, 6, 7], OBLIQUE).unwrap();
+        for axis in 0..3 {
+            let slice = grid.slice(axis, 2);
+            let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+            assert_eq!(slice.dims(), [grid.dims()[u], grid.dims()[v], 1]);
+            let mut index = [0.0; 3];
+            (index[axis], index[u], index[v]) = (2.0, 1.5, 4.0);
+            for (a, b) in slice.point([1.5, 4.0, 0.0]).iter().zip(grid.point(index)) {
+                assert!((a - b).abs() < 1e-12);
+            }
+            // It is a grid like any other.
+            let again = Grid::with_affine(slice.dims(), slice.affine()).unwrap();
+            let [x, y, z] = again.spacing();
+            assert!((z - x.min(y)).abs() < 1e-12 && !again.is_mirrored());
+            assert_eq!([x, y], [grid.spacing()[u], grid.spacing()[v]]);
         }
     }
 

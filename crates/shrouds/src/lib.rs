@@ -34,6 +34,7 @@ pub mod optimize;
 pub mod mesh;
 pub mod check;
 mod pipeline;
+pub mod polygon;
 
 pub use error::Error;
 pub use grid::Grid;

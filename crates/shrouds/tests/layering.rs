@@ -13,7 +13,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("parallel", &[]),
     ("random", &[]),
     ("vector", &[]),
-    ("grid", &["error"]),
+    ("grid", &["error", "vector"]),
     ("volume", &["grid", "error", "parallel", "random"]),
     ("surface", &["grid", "volume", "error", "parallel"]),
     ("network", &["surface", "volume", "error", "gather", "parallel"]),
@@ -26,6 +26,19 @@ const ARROWS: &[(&str, &[&str])] = &[
         ],
     ),
     ("mesh", &["grid", "surface", "network", "error", "parallel", "vector"]),
+    (
+        "polygon",
+        &[
+            "grid",
+            "volume",
+            "surface",
+            "network",
+            "optimize",
+            "pipeline::Settings",
+            "error",
+            "vector",
+        ],
+    ),
     // The judge shares nothing with what it judges.
     ("check", &["grid", "volume", "mesh", "error", "parallel"]),
 ];

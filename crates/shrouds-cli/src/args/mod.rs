@@ -2,6 +2,7 @@
 //! those of the libraries.
 
 mod names;
+mod polygon;
 mod shroud;
 mod values;
 mod verbs;
@@ -14,6 +15,7 @@ use crate::energies;
 pub(crate) use names::{
     Axes, Border, Faces, FrameChoice, Preset, Solver, SurfaceKind, TriangleRule,
 };
+pub(crate) use polygon::{PolygonArgs, Slice};
 pub(crate) use shroud::{ShroudArgs, SolveArgs};
 pub(crate) use values::Start;
 pub(crate) use verbs::{
@@ -69,6 +71,9 @@ pub(crate) enum Verb {
     /// Shroud a volume with one energy after the other: a table and a contact sheet to choose by
     #[command(after_help = with_energies(verbs::COMPARE_HELP))]
     Compare(CompareArgs),
+    /// Separate an image, or a slice of a volume: the same in two dimensions
+    #[command(after_help = polygon::POLYGON_HELP)]
+    Polygon(PolygonArgs),
 }
 
 /// The end of a help text, and the energies there are.

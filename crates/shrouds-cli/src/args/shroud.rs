@@ -7,7 +7,7 @@ use shrouds::energy::Parameter;
 use crate::args::values::{self, Start};
 use crate::args::{Border, Faces, FrameChoice, Preset, Solver, SurfaceKind, TriangleRule};
 
-#[derive(Args)]
+#[derive(Args, Clone)]
 #[command(next_help_heading = "Surface")]
 pub(crate) struct ShroudArgs {
     /// What the slice curves minimise: measures with weights, see below [default: what the preset is

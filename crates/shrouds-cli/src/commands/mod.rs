@@ -5,6 +5,7 @@ mod compare;
 mod demo;
 mod info;
 mod mesh;
+mod polygon;
 mod render;
 
 use crate::args::{Cli, Verb};
@@ -21,5 +22,6 @@ pub(crate) fn run(cli: &Cli) -> Result<(), Failure> {
         Verb::Info(args) => info::run(args, console),
         Verb::Render(args) => render::run(args, console),
         Verb::Compare(args) => compare::run(args, console),
+        Verb::Polygon(args) => polygon::run(args, console),
     }
 }

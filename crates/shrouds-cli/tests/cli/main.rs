@@ -10,4 +10,5 @@ mod bad_input;
 mod check;
 mod compare;
 mod mesh;
+mod polygon;
 mod verbs;

@@ -119,7 +119,7 @@ fn render_draws_meshes_and_volumes() {
 #[test]
 fn help_has_an_example_for_every_verb() {
     let folder = Folder::new();
-    for verb in ["demo", "mesh", "check", "info", "render", "compare"] {
+    for verb in ["demo", "mesh", "check", "info", "render", "compare", "polygon"] {
         let help = folder.succeed(&format!("{verb} --help"));
         assert!(
             help.contains("Example") && help.contains(&format!("\n  shrouds {verb} ")),

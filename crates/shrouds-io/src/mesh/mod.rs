@@ -103,6 +103,44 @@ pub fn write_mesh(
     write_atomically(path, |writer| write_mesh_to(writer, format, mesh, options))
 }
 
+/// A line through some points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Line<'a> {
+    /// Its points in order.
+    pub points: &'a [[f64; 3]],
+    /// Whether the last point is joined to the first.
+    pub closed: bool,
+}
+
+/// Writes lines to a Wavefront file, `.obj`: points and `l` elements, one for each line. The file
+/// appears whole or not at all.
+///
+/// # Errors
+/// [`Error::Extension`] for another extension, [`Error::Unwritable`] when a coordinate is not finite
+/// or too large for the precision; otherwise as for [`write_atomically`].
+pub fn write_lines(
+    path: impl AsRef<Path>,
+    lines: &[Line],
+    options: &MeshOptions,
+) -> Result<(), Error> {
+    let path = path.as_ref();
+    if mesh_format(path).ok() != Some(MeshFormat::Obj) {
+        return Err(Error::Extension {
+            path: path.into(),
+            kind: "line",
+            known: "lines are written to .obj",
+        });
+    }
+    let single = options.precision == Precision::Single;
+    let largest = if single { f64::from(f32::MAX) } else { f64::MAX };
+    let mut points = lines.iter().flat_map(|line| line.points);
+    if let Some(point) = points.find(|point| !point.iter().all(|x| x.abs() <= largest)) {
+        let problem = format!("a point lies at {point:?}, which is not finite or too large");
+        return Err(Error::Unwritable { path: path.into(), problem });
+    }
+    write_atomically(path, |writer| obj::write_lines(writer, lines, options))
+}
+
 /// Reads a mesh: PLY or STL, binary or text, or OBJ, by the extension of `path`.
 ///
 /// Polygons become fans of triangles. STL has no vertices of its own: corners at exactly the same

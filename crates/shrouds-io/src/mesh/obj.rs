@@ -7,7 +7,7 @@ use shrouds::TriMesh;
 
 use crate::error::Error;
 use crate::mesh::records::write_text;
-use crate::mesh::{MeshOptions, Precision, push_fan};
+use crate::mesh::{Line, MeshOptions, Precision, push_fan};
 
 pub(super) fn write(
     writer: &mut dyn Write,
@@ -38,6 +38,30 @@ pub(super) fn write(
         }
         text.push(b'\n');
     })
+}
+
+pub(super) fn write_lines(
+    writer: &mut dyn Write,
+    lines: &[Line],
+    options: &MeshOptions,
+) -> io::Result<()> {
+    writeln!(writer, "# {}", options.comment())?;
+    let points = lines.iter().flat_map(|line| line.points);
+    write_text(writer, points, |p, text| match options.precision {
+        Precision::Single => put_line(text, b"v", p.map(|x| x as f32)),
+        Precision::Double => put_line(text, b"v", *p),
+    })?;
+    let mut first = 1;
+    for line in lines.iter().filter(|line| !line.points.is_empty()) {
+        let end = first + line.points.len();
+        write!(writer, "l")?;
+        for index in (first..end).chain(line.closed.then_some(first)) {
+            write!(writer, " {index}")?;
+        }
+        writeln!(writer)?;
+        first = end;
+    }
+    Ok(())
 }
 
 /// Appends a line of three numbers, each with the fewest digits that read back as the same one.

@@ -2,7 +2,8 @@
 
 use shrouds::TriMesh;
 use shrouds_io::{
-    Error, Frame, MeshFormat, MeshOptions, Precision, mesh_format, read_mesh, write_mesh,
+    Error, Frame, Line, MeshFormat, MeshOptions, Precision, mesh_format, read_mesh, write_lines,
+    write_mesh,
 };
 
 use crate::common::Folder;
@@ -259,6 +260,35 @@ fn normals_that_are_no_numbers_are_left_out() {
     };
     assert_eq!(read("0 0 0 0 0 1"), [[0.0, 0.0, 1.0]]);
     assert!(read("0 0 0 0 nan 1").is_empty());
+}
+
+#[test]
+fn lines_are_points_and_the_order_to_join_them() {
+    let folder = Folder::new();
+    let (triangle, dash) =
+        ([[0.0, 0.0, 0.1], [1.0, 0.0, 0.0], [0.0, 1e-9, 0.0]], [[2.0; 3], [3.0; 3]]);
+    let lines = [
+        Line { points: &triangle, closed: true },
+        Line { points: &[], closed: true },
+        Line { points: &dash, closed: false },
+    ];
+    let options = MeshOptions { precision: Precision::Double, ..MeshOptions::default() };
+    let path = folder.path("a.obj");
+    write_lines(&path, &lines, &options).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    let (comment, rest) = text.split_once('\n').unwrap();
+    assert!(comment.starts_with("# shrouds "));
+    assert_eq!(rest, "v 0 0 0.1\nv 1 0 0\nv 0 1e-9 0\nv 2 2 2\nv 3 3 3\nl 1 2 3 1\nl 4 5\n");
+    // To a reader of meshes they are points.
+    assert_eq!(read_mesh(&path).unwrap().vertices.len(), 5);
+    let refused = |path: &str, x: f64| {
+        let points = [[x; 3]];
+        let lines = [Line { points: &points, closed: false }];
+        write_lines(folder.path(path), &lines, &options).unwrap_err()
+    };
+    assert!(matches!(refused("a.ply", 0.0), Error::Extension { kind: "line", .. }));
+    assert!(matches!(refused("b.obj", f64::NAN), Error::Unwritable { .. }));
+    assert!(!folder.path("b.obj").exists());
 }
 
 #[test]

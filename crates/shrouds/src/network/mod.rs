@@ -3,7 +3,7 @@
 //! The 4\*-network of the paper (Theorem 1): every lattice plane cuts a separating surface in planar
 //! polygons, and every vertex lies on exactly two of them, one in each of the two lattice planes that
 //! contain its grid edge. So a vertex has four neighbours, fewer only where an open border ends a
-//! curve.
+//! curve. In an image, a volume of one slice, the curve across the slice is the vertex alone.
 //!
 //! The curves are stored one after another, vertex by vertex: energies are sums along curves, and
 //! neighbours on a curve are neighbours in memory.

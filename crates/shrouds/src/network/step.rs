@@ -14,7 +14,7 @@ pub(crate) enum Side {
 /// The plane normal to axis `p` has the first axis `p + 1` and the second axis `p + 2` (modulo 3).
 /// Bit 0: the grid edge runs along the second axis. Bits 1–2 and 3–4: 1 + the difference, along the
 /// first and second axis, of the lattice points where the next place's grid edge and this one
-/// start. Bit 5: there is a next place. Bits 6–7: the normal.
+/// start, or would if it were there. Bit 5: there is a next place. Bits 6–7: the normal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Step(u8);
 
@@ -33,9 +33,15 @@ impl Step {
         Self(Self::new(normal, runs_second, [1; 2]).0 & !LINKED)
     }
 
+    /// A place that nothing follows or precedes. What would be there lies straight across.
+    pub(super) fn alone(normal: usize, runs_second: bool) -> Self {
+        let across = [i32::from(runs_second), i32::from(!runs_second)];
+        Self(Self::new(normal, runs_second, across).0 & !LINKED)
+    }
+
     /// The same place with nothing after it.
     pub(super) fn unlinked(self) -> Self {
-        Self::last(self.normal(), self.runs_second())
+        if self.is_linked() { Self::last(self.normal(), self.runs_second()) } else { self }
     }
 
     /// All that there can be, by their indices.

@@ -116,6 +116,14 @@ impl Links {
     fn find(surface: &Surface, normal: usize) -> Self {
         let count = surface.vertex_count();
         let mut links = Self { next: vec![NONE; count], steps: vec![Step::default(); count] };
+        if surface.slice_count() == 1 && normal != 2 {
+            // No curve leads across an image: every vertex is one by itself.
+            for (step, crossing) in links.steps.iter_mut().zip(surface.crossings()) {
+                if crossing.axis() != normal {
+                    *step = Step::alone(normal, crossing.axis() == (normal + 2) % 3);
+                }
+            }
+        }
         for k in 0..surface.slice_count() {
             surface.for_each_segment(normal, k, |segment| {
                 let [from, to] = segment.vertices;
@@ -130,13 +138,14 @@ impl Links {
         links
     }
 
-    /// The vertices that curves lead away from but not to.
+    /// The vertices on curves that no curve leads to.
     fn open_ends(&self) -> Vec<u32> {
         let mut reached = vec![false; self.next.len()];
         for &next in self.next.iter().filter(|&&next| next != NONE) {
             reached[next as usize] = true;
         }
-        let is_end = |&v: &u32| self.next[v as usize] != NONE && !reached[v as usize];
+        let is_on_curve = |v: u32| self.steps[v as usize] != Step::default();
+        let is_end = |&v: &u32| is_on_curve(v) && !reached[v as usize];
         (0..self.next.len() as u32).filter(is_end).collect()
     }
 }

@@ -23,66 +23,95 @@ const LONGEST: usize = 64;
 
 /// How surely every vertex lies on a flat face along the grid, from 0 to 1.
 pub(super) fn flatness(surface: &Surface) -> Vec<f32> {
+    let lattice = Lattice::of(surface);
     let mut flatness = vec![0.0; surface.vertex_count()];
     let ends = (0..surface.slice_count()).map(|k| surface.slice_vertices(k).end as usize);
     parallel::pieces(&mut flatness, ends, |k, flatness| {
         for (flatness, crossing) in flatness.iter_mut().zip(surface.slice_crossings(k)) {
-            *flatness = of_crossing(surface, crossing);
+            *flatness = Terrace::of(&lattice, crossing).flatness();
         }
     });
     flatness
 }
 
-fn of_crossing(surface: &Surface, crossing: Crossing) -> f32 {
-    let terrace = Terrace::of(surface, crossing);
-    let [first, second] = [1, 2].map(|step| (crossing.axis() + step) % 3);
-    // Two ridges may cross in one lattice point; a face is as flat around it.
-    let around = [(0, 0), (-2, 0), (2, 0), (0, -2), (0, 2)];
-    let mut flatness = 1.0f32;
-    for (a, b) in around {
-        let there = terrace.moved([(first, a), (second, b)]);
-        if flatness > 0.0 && there.is_on_top(there.inside) {
-            flatness = flatness.min(there.flatness(first)).min(there.flatness(second));
-        }
+/// The lattice points as one string of bits.
+struct Lattice<'a> {
+    words: &'a [u64],
+    dims: [usize; 3],
+    /// From a bit to the next one along each axis.
+    strides: [isize; 3],
+}
+
+impl<'a> Lattice<'a> {
+    fn of(surface: &'a Surface) -> Self {
+        let (words, per_row) = surface.volume().words();
+        let dims = surface.grid().dims();
+        let row = 64 * per_row as isize;
+        Self { words, dims, strides: [1, row, row * dims[1] as isize] }
     }
-    flatness
+
+    #[inline(always)]
+    fn is_inside(&self, bit: isize) -> bool {
+        self.words[bit as usize / 64] >> (bit % 64) & 1 == 1
+    }
 }
 
 /// The lattice points around an inside one with an outside neighbour.
+#[derive(Clone, Copy)]
 struct Terrace<'a> {
-    surface: &'a Surface,
-    inside: [isize; 3],
-    /// Towards the outside neighbour.
+    lattice: &'a Lattice<'a>,
+    point: [usize; 3],
+    bit: isize,
+    /// Along which axis the outside neighbour lies, and whether towards growing indices.
     axis: usize,
-    up: isize,
+    is_up: bool,
 }
 
 impl<'a> Terrace<'a> {
-    fn of(surface: &'a Surface, crossing: Crossing) -> Self {
-        let (low, axis) = (crossing.low().map(|x| x as isize), crossing.axis());
-        let is_low_inside = crossing.inside_low();
-        let mut inside = low;
-        inside[axis] += isize::from(!is_low_inside);
-        Self { surface, inside, axis, up: if is_low_inside { 1 } else { -1 } }
+    fn of(lattice: &'a Lattice<'a>, crossing: Crossing) -> Self {
+        let point = crossing.inside();
+        let bit = (0..3).map(|k| point[k] as isize * lattice.strides[k]).sum();
+        Self { lattice, point, bit, axis: crossing.axis(), is_up: crossing.inside_low() }
     }
 
-    /// The same some steps along two axes.
-    fn moved(&self, steps: [(usize, isize); 2]) -> Self {
-        let mut inside = self.inside;
-        steps.iter().for_each(|&(axis, count)| inside[axis] += count);
-        Self { inside, ..*self }
+    fn flatness(&self) -> f32 {
+        let [first, second] = [1, 2].map(|step| (self.axis + step) % 3);
+        // Two ridges may cross in one lattice point; a face is as flat around it.
+        let around = [(first, 0), (first, -2), (first, 2), (second, -2), (second, 2)];
+        let mut flatness = 1.0f32;
+        for there in around.into_iter().filter_map(|(axis, steps)| self.moved(axis, steps)) {
+            for along in [first, second] {
+                if flatness > 0.0 {
+                    flatness = flatness.min(there.flatness_along(along));
+                }
+            }
+        }
+        flatness
     }
 
-    /// How flat it is along an axis: how many times as long as the next terraces on both sides.
-    fn flatness(&self, along: usize) -> f32 {
-        let ends = [-1, 1].map(|sign| self.run(0, 0, along, sign));
-        let length = (ends[0] + ends[1]).saturating_sub(1);
+    /// The same some steps along an axis, if that is on the terrace.
+    fn moved(&self, axis: usize, steps: isize) -> Option<Self> {
+        let mut moved = *self;
+        moved.point[axis] = self.point[axis].checked_add_signed(steps)?;
+        moved.bit += steps * self.lattice.strides[axis];
+        let is_there = moved.point[axis] < self.lattice.dims[axis] && moved.is_on_top(moved.bit);
+        is_there.then_some(moved)
+    }
+
+    /// How flat it is along an axis: how many times as long as the next terraces on both sides. An
+    /// image of one slice is flat across.
+    fn flatness_along(&self, along: usize) -> f32 {
+        if self.lattice.dims[along] == 1 {
+            return 1.0;
+        }
+        let ends = [false, true].map(|forward| self.run(0, 0, along, forward));
+        let length = ends[0] + ends[1] - 1;
         if length < SHORTEST {
             return 0.0;
         }
         // The next terrace is one lower, one higher, or none behind a deep step.
-        let next = [(-1, ends[0]), (1, ends[1])]
-            .map(|(sign, end)| [-1, 1].map(|height| self.run(end, height, along, sign)));
+        let next = [(false, ends[0]), (true, ends[1])]
+            .map(|(forward, end)| [-1, 1].map(|height| self.run(end, height, along, forward)));
         let longest_next =
             next.as_flattened().iter().fold(DEEP, |longest, &n| longest.max(n as f32));
         ((length as f32 / longest_next - SMOOTH) / (FLAT - SMOOTH)).clamp(0.0, 1.0)
@@ -90,28 +119,28 @@ impl<'a> Terrace<'a> {
 
     /// How many lattice points from some steps beyond the start on lie on the terrace that is
     /// `height` above.
-    fn run(&self, steps: usize, height: isize, along: usize, sign: isize) -> usize {
-        let mut point = self.inside;
-        point[self.axis] += height * self.up;
-        point[along] += sign * steps as isize;
-        let mut count = 0;
-        while count < LONGEST && self.is_on_top(point) {
-            point[along] += sign;
-            count += 1;
+    fn run(&self, steps: usize, height: isize, along: usize, forward: bool) -> usize {
+        let Lattice { dims, strides, .. } = self.lattice;
+        let on_the_way =
+            if forward { dims[along] - self.point[along] } else { self.point[along] + 1 };
+        let up = if self.is_up { height } else { -height };
+        // Both the lattice point and the one above it must be there.
+        let base = self.point[self.axis].checked_add_signed(up);
+        let top = base.and_then(|base| base.checked_add_signed(if self.is_up { 1 } else { -1 }));
+        if top.is_none_or(|top| base.max(Some(top)) >= Some(dims[self.axis])) {
+            return 0;
         }
-        count
+        let stride = if forward { strides[along] } else { -strides[along] };
+        let start = self.bit + up * strides[self.axis];
+        let bits = (steps..on_the_way.min(steps + LONGEST)).map(|n| start + n as isize * stride);
+        bits.take_while(|&bit| self.is_on_top(bit)).count()
     }
 
     /// Whether a lattice point is inside and the one above it outside.
-    fn is_on_top(&self, point: [isize; 3]) -> bool {
-        let mut above = point;
-        above[self.axis] += self.up;
-        self.is_inside(point) == Some(true) && self.is_inside(above) == Some(false)
-    }
-
-    fn is_inside(&self, point: [isize; 3]) -> Option<bool> {
-        let dims = self.surface.grid().dims();
-        let is_within = (0..3).all(|k| (0..dims[k] as isize).contains(&point[k]));
-        is_within.then(|| self.surface.volume().get(point.map(|x| x as usize)))
+    #[inline(always)]
+    fn is_on_top(&self, bit: isize) -> bool {
+        let stride = self.lattice.strides[self.axis];
+        let above = if self.is_up { bit + stride } else { bit - stride };
+        self.lattice.is_inside(bit) && !self.lattice.is_inside(above)
     }
 }

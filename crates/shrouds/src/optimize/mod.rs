@@ -6,6 +6,7 @@
 //!
 //! Uses: `grid`, `volume`, `surface`, `network`, `energy`.
 
+mod alone;
 mod around;
 mod barrier;
 mod blur;
@@ -26,6 +27,7 @@ mod tile;
 mod univariate;
 mod visit;
 
+pub use alone::minimise_vertex;
 pub use report::{Report, Round, Status};
 pub use settings::{Observer, Preset, Progress, Settings, Solver, Start};
 
@@ -62,68 +64,62 @@ pub fn optimize(
     observer: &mut Observer,
 ) -> Result<Optimum, Error> {
     settings.validate()?;
-    let grid = surface.grid();
-    let bounds = [settings.margin, 1.0 - settings.margin];
-    let spacing = grid.spacing().map(|h| h / grid.min_spacing());
+    let flatness = flat::flatness(surface);
+    let energy = settings.energy();
+    let Conditions { spacing, bounds, .. } = Conditions::new(surface, settings, &energy, &flatness);
     let x = start::positions(surface, &settings.start, spacing, bounds);
     // In double precision the bounds are nearer to their value.
     let in_double = || x.iter().map(|&x| f64::from(x).clamp(bounds[0], bounds[1])).collect();
+    let task = Task { surface, settings, flatness: &flatness };
     Ok(match (settings.solver, settings.preset) {
         _ if x.is_empty() => Optimum::default(),
-        (Solver::Sweeps, _) => swept(surface, settings, spacing, in_double(), observer),
-        (Solver::Newton, Preset::Exact) => {
-            stepped(surface, settings, spacing, in_double(), observer)
-        }
-        (Solver::Newton, _) => stepped(surface, settings, spacing, x, observer),
+        (Solver::Sweeps, _) => task.sweep(in_double(), observer),
+        (Solver::Newton, Preset::Exact) => task.step(in_double(), observer),
+        (Solver::Newton, _) => task.step(x, observer),
     })
 }
 
-/// The default method.
-fn stepped<R: Real>(
-    surface: &Surface,
-    settings: &Settings,
-    spacing: [f64; 3],
-    mut x: Vec<R>,
-    observer: &mut Observer,
-) -> Optimum {
-    let bounds = [settings.margin, 1.0 - settings.margin];
-    let mut left = settings.max_iterations();
-    let flatness = flat::flatness(surface);
-    let (mut preparation, mut slopes) = (Vec::new(), Vec::new());
-    let mut report = Report::default();
-    for plan::Stage { energy, passes } in plan::stages(settings) {
-        let conditions = Conditions { energy: &energy, spacing, bounds, flatness: &flatness };
-        let relaxed = relax::relax(surface, &conditions, passes, left, &mut x, observer);
-        left -= relaxed.steps();
-        let is_cancelled = relaxed.status() == Status::Cancelled;
-        slopes = relaxed.slopes;
-        report =
-            Report::new(std::mem::take(&mut preparation), relaxed.rounds, &relaxed.stationarity);
-        if is_cancelled {
-            break;
-        }
-        preparation.extend(report.rounds.iter().cloned());
-    }
-    Optimum { delta: deltas(surface, &x), slopes, report }
+/// What is to be done.
+struct Task<'a> {
+    surface: &'a Surface,
+    settings: &'a Settings,
+    /// See [`flat::flatness`].
+    flatness: &'a [f32],
 }
 
-/// The paper's method.
-fn swept(
-    surface: &Surface,
-    settings: &Settings,
-    spacing: [f64; 3],
-    mut x: Vec<f64>,
-    observer: &mut Observer,
-) -> Optimum {
-    let energy = settings.energy();
-    let flatness = flat::flatness(surface);
-    let bounds = [settings.margin, 1.0 - settings.margin];
-    let conditions = Conditions { energy: &energy, spacing, bounds, flatness: &flatness };
-    let network = Network::trace(surface);
-    let mut problem = Problem::new(&network, &conditions, <[f32]>::to_vec);
-    let (rounds, stationarity) = sweeps::solve(&mut problem, surface, &mut x, settings, observer);
-    let report = Report::new(Vec::new(), rounds, &stationarity);
-    Optimum { delta: deltas(surface, &x), slopes: problem.slopes(&x), report }
+impl Task<'_> {
+    /// The default method.
+    fn step<R: Real>(&self, mut x: Vec<R>, observer: &mut Observer) -> Optimum {
+        let mut left = self.settings.max_iterations();
+        let (mut preparation, mut slopes) = (Vec::new(), Vec::new());
+        let mut report = Report::default();
+        for plan::Stage { energy, passes } in plan::stages(self.settings) {
+            let conditions = Conditions::new(self.surface, self.settings, &energy, self.flatness);
+            let relaxed = relax::relax(self.surface, &conditions, passes, left, &mut x, observer);
+            left -= relaxed.steps();
+            let is_cancelled = relaxed.status() == Status::Cancelled;
+            slopes = relaxed.slopes;
+            let before = std::mem::take(&mut preparation);
+            report = Report::new(before, relaxed.rounds, &relaxed.stationarity);
+            if is_cancelled {
+                break;
+            }
+            preparation.extend(report.rounds.iter().cloned());
+        }
+        Optimum { delta: deltas(self.surface, &x), slopes, report }
+    }
+
+    /// The paper's method.
+    fn sweep(&self, mut x: Vec<f64>, observer: &mut Observer) -> Optimum {
+        let energy = self.settings.energy();
+        let conditions = Conditions::new(self.surface, self.settings, &energy, self.flatness);
+        let network = Network::trace(self.surface);
+        let mut problem = Problem::new(&network, &conditions, <[f32]>::to_vec);
+        let (rounds, stationarity) =
+            sweeps::solve(&mut problem, self.surface, &mut x, self.settings, observer);
+        let report = Report::new(Vec::new(), rounds, &stationarity);
+        Optimum { delta: deltas(self.surface, &x), slopes: problem.slopes(&x), report }
+    }
 }
 
 /// The δ of every vertex from its position.

@@ -7,8 +7,10 @@ use crate::energy::{CurveEnergy, Energy, LANES, Lanes, Support};
 use crate::network::{Network, REPEATED};
 use crate::optimize::barrier::Barrier;
 use crate::optimize::real::Real;
+use crate::optimize::settings::Settings;
 use crate::optimize::strip::{Lengths, STRIP, Strip};
 use crate::parallel::{self, NONE};
+use crate::surface::Surface;
 
 /// The least weight factor `1 − n_p²`.
 const LEAST_WEIGHT: f64 = 1e-4;
@@ -25,6 +27,19 @@ pub(super) struct Conditions<'a> {
     pub(super) bounds: [f64; 2],
     /// See [`flatness`](crate::optimize::flat::flatness).
     pub(super) flatness: &'a [f32],
+}
+
+impl<'a> Conditions<'a> {
+    pub(super) fn new(
+        surface: &Surface,
+        settings: &Settings,
+        energy: &'a Energy,
+        flatness: &'a [f32],
+    ) -> Self {
+        let grid = surface.grid();
+        let spacing = grid.spacing().map(|h| h / grid.min_spacing());
+        Self { energy, spacing, bounds: [settings.margin, 1.0 - settings.margin], flatness }
+    }
 }
 
 /// The function to minimise. Weights and barrier depend on the surface; they are frozen while

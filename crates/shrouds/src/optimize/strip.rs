@@ -12,7 +12,7 @@ pub(super) const STRIP: usize = 256;
 const LENGTH: usize = STRIP + 2 * REPEATED + LANES;
 
 /// Where a place that is not there is taken to lie: so far that a tangent, which minds the nearer of
-/// two neighbours more, is that to the neighbour there is.
+/// two neighbours more, is that to the neighbour there is, if there is one.
 const FAR: f64 = 1e5;
 
 /// Lengths in units of the smallest spacing that turn the step of a place into numbers.
@@ -91,8 +91,8 @@ impl<R: Real> Strip<R> {
                 *moves = if step.runs_second() == (k == 1) { length } else { zero };
             }
             for (shift, step) in self.shift[k][range.clone()].iter_mut().zip(steps) {
-                let here = length * R::from_i32(step.shift()[k]);
-                *shift = if step.is_linked() { here } else { far };
+                let unit = if step.is_linked() { length } else { far };
+                *shift = unit * R::from_i32(step.shift()[k]);
             }
             let positions = self.positions[range.clone()].iter().zip(&self.moves[k][range.clone()]);
             for (offset, (&x, &moves)) in self.offset[k][range.clone()].iter_mut().zip(positions) {

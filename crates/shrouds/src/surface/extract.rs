@@ -35,6 +35,37 @@ impl Surface {
     }
 }
 
+impl Surface {
+    /// Finds the crossings of an image, a volume of one slice along z: the same in two dimensions.
+    ///
+    /// There are vertices on grid edges along x and y only, no cells and so no patches; every vertex
+    /// lies on one planar curve across z, and stands alone on the other one. A closed border is a frame of outside points, and
+    /// [`Surface::border`] is open in any case: along z the slice ends.
+    ///
+    /// # Errors
+    /// [`Error::NotAnImage`] when there are several slices; [`Error::NoCells`] when an open border
+    /// leaves no square of four lattice points; otherwise as for [`Surface::extract`].
+    pub fn of_image(image: &Occupancy, face_rule: FaceRule, border: Border) -> Result<Self, Error> {
+        let dims = image.grid().dims();
+        let [nx, ny, slices] = dims;
+        if slices != 1 {
+            return Err(Error::NotAnImage { slices });
+        }
+        let image = match border {
+            Border::Closed => image.slice(2, 0)?.padded(1)?.slice(2, 1)?,
+            Border::Open if nx == 1 || ny == 1 => return Err(Error::NoCells { dims }),
+            Border::Open => image.slice(2, 0)?,
+        };
+        let (surface, vertices) = number(image, face_rule, Border::Open);
+        // Of the places on curves that are numbered, a vertex of an image has many.
+        let limit = Self::MAX_VERTICES / 4;
+        if vertices > limit {
+            return Err(Error::TooManyVertices { vertices, limit });
+        }
+        Ok(surface)
+    }
+}
+
 /// Numbers the crossings of a volume that has its border already. Returns the surface and the number
 /// of its vertices, beyond [`Surface::MAX_VERTICES`] of which the surface means nothing.
 pub(super) fn number(volume: Occupancy, face_rule: FaceRule, border: Border) -> (Surface, u64) {

@@ -116,6 +116,11 @@ impl Occupancy {
         &self.words[start..start + self.words_per_row]
     }
 
+    /// The words of all rows one after another, and how many make a row.
+    pub(crate) fn words(&self) -> (&[u64], usize) {
+        (&self.words, self.words_per_row)
+    }
+
     /// The lattice points in some rows of some slices, with a grid whose place is that of the whole.
     pub(crate) fn crop(&self, rows: Range<usize>, slices: Range<usize>) -> Self {
         let grid = self.grid.crop(rows.clone(), slices.clone());
@@ -126,6 +131,28 @@ impl Occupancy {
             .copied()
             .collect();
         Self { grid, words_per_row: self.words_per_row, words }
+    }
+
+    /// The slice of lattice points with index `index` along `axis`, an image of one slice along z in
+    /// its place in the world: its x is the axis after `axis` and its y the one after that, so that x
+    /// and y stay what they are in a slice across z.
+    ///
+    /// # Errors
+    /// [`Error::NoSlice`] when there is no such slice.
+    ///
+    /// # Panics
+    /// When `axis` is not 0, 1 or 2.
+    pub fn slice(&self, axis: usize, index: usize) -> Result<Self, Error> {
+        let last = self.grid.dims()[axis] - 1;
+        if index > last {
+            return Err(Error::NoSlice { axis: ['x', 'y', 'z'][axis], index, last });
+        }
+        let at = |i, j| match axis {
+            0 => [index, i, j],
+            1 => [j, index, i],
+            _ => [i, j, index],
+        };
+        Ok(Self::from_fn(self.grid.slice(axis, index), |[i, j, _]| self.get(at(i, j))))
     }
 
     /// Number of inside lattice points.
