@@ -68,14 +68,14 @@ pub(crate) fn destructive(text: &str) -> Option<String> {
 }
 
 /// The energies that a comparison is of unless told otherwise, but for that of the preset: those that
-/// keep thin parts, the variation of curvature, and the two of the paper with every parametrisation.
+/// keep thin parts, and the two of the paper with every parametrisation.
 pub(crate) fn usual() -> Vec<String> {
     let safe = catalogue().iter().filter(|entry| entry.keeps_thin_parts).map(|entry| entry.name);
     let alone = |name: &&str| name.parse::<Energy>().is_ok();
     let paper = ["curvature", "linear"].into_iter().flat_map(|name| {
         Parameter::ALL.into_iter().map(move |parameter| format!("{name}({parameter})"))
     });
-    let mut all: Vec<String> = safe.filter(alone).chain(["variation"]).map(str::to_owned).collect();
+    let mut all: Vec<String> = safe.filter(alone).map(str::to_owned).collect();
     all.extend(paper);
     all
 }

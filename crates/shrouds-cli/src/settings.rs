@@ -148,6 +148,8 @@ fn optimize_settings(
         start: match args.start {
             Start::Blur => optimize::Start::Blur,
             Start::Midpoint => optimize::Start::Midpoint,
+            Start::Inside => optimize::Start::Inside,
+            Start::Outside => optimize::Start::Outside,
             Start::Random(seed) => optimize::Start::Random(seed),
         },
         tolerance: args.tolerance,

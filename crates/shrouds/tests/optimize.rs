@@ -132,7 +132,7 @@ fn the_convex_energy_has_one_minimum_from_any_start() {
         delta
     };
     let first = from(Start::Blur);
-    for start in [Start::Midpoint, Start::Random(1), Start::Random(2)] {
+    for start in [Start::Midpoint, Start::Inside, Start::Outside, Start::Random(1)] {
         let difference = largest_difference(&first, &from(start));
         assert!(difference < 1e-8, "{start:?} is {difference:e} away");
     }
@@ -221,6 +221,8 @@ fn a_start_is_where_it_says() {
         delta
     };
     assert!(started(Start::Midpoint).iter().all(|&d| d == 0.5));
+    assert!(started(Start::Inside).iter().all(|&d| (d - 0.998).abs() < 1e-7));
+    assert!(started(Start::Outside).iter().all(|&d| (d - 0.002).abs() < 1e-7));
     let random = started(Start::Random(3));
     let mean = random.iter().sum::<f64>() / random.len() as f64;
     assert!((mean - 0.5).abs() < 4.0 / (12.0 * random.len() as f64).sqrt());

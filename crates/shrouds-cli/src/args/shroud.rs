@@ -46,8 +46,8 @@ pub(crate) struct SolveArgs {
     /// preset, 100 for exact; 1000 sweeps]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) max_iterations: Option<u32>,
-    /// Where the vertices start: blur (the blurred volume), midpoint (the middle of the grid edges)
-    /// or random:SEED
+    /// Where the vertices start: blur (the blurred volume), midpoint (the middle of the grid edges),
+    /// inside or outside (one of their ends) or random:SEED
     #[arg(long, default_value_t = Start::Blur)]
     pub(crate) start: Start,
     /// How ambiguous cell faces are cut

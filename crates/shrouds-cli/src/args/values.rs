@@ -10,6 +10,8 @@ use shrouds::energy::Energy;
 pub(crate) enum Start {
     Blur,
     Midpoint,
+    Inside,
+    Outside,
     Random(u64),
 }
 
@@ -21,8 +23,13 @@ impl FromStr for Start {
         match text.split_once(':') {
             None if text == "blur" => Ok(Self::Blur),
             None if text == "midpoint" => Ok(Self::Midpoint),
+            None if text == "inside" => Ok(Self::Inside),
+            None if text == "outside" => Ok(Self::Outside),
             Some(("random", text)) => Ok(Self::Random(seed(text)?)),
-            _ => Err("give blur, midpoint or random:SEED with a whole number".into()),
+            _ => {
+                Err("give blur, midpoint, inside, outside or random:SEED with a whole number"
+                    .into())
+            }
         }
     }
 }
@@ -32,6 +39,8 @@ impl std::fmt::Display for Start {
         match self {
             Self::Blur => write!(f, "blur"),
             Self::Midpoint => write!(f, "midpoint"),
+            Self::Inside => write!(f, "inside"),
+            Self::Outside => write!(f, "outside"),
             Self::Random(seed) => write!(f, "random:{seed}"),
         }
     }

@@ -181,9 +181,13 @@ impl<'a, R: Real> Problem<'a, R> {
     /// Sets the barrier for a surface whose places have these energies.
     pub(super) fn set_barrier(&mut self, of_place: impl Fn(usize) -> R + Sync) {
         let network = self.network;
-        let of_vertex = |v: usize| {
-            network.places()[v].iter().map(|&place| of_place(place as usize).to_f64()).sum()
+        // With what its neighbours have: on a thin ribbon only the rims curve.
+        let near = |place: u32| {
+            let place = place as usize;
+            let near = [place - 1, place, place + 1].map(|place| of_place(place).to_f64());
+            near.into_iter().fold(0.0, f64::max)
         };
+        let of_vertex = |v: usize| network.places()[v].iter().map(|&place| near(place)).sum();
         self.barrier.set(self.energy.barrier(), &self.flatness, of_vertex);
     }
 

@@ -36,6 +36,10 @@ pub enum Start {
     Blur,
     /// The middle of the grid edges: the midpoint surface M (equation 2).
     Midpoint,
+    /// As near to the inside ends as the margin allows: all δ as large as they can be.
+    Inside,
+    /// As near to the outside ends as the margin allows.
+    Outside,
     /// Anywhere on the grid edges, drawn from this seed.
     Random(u64),
 }

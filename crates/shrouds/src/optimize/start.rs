@@ -19,10 +19,19 @@ pub(super) fn positions(
     match *start {
         Start::Midpoint => {}
         Start::Blur => blur(surface, spacing, &mut x),
+        Start::Inside => fill(surface, 1.0, &mut x),
+        Start::Outside => fill(surface, 0.0, &mut x),
         Start::Random(seed) => parallel::fill(&mut x, |v| uniform(seed, v as u64) as f32),
     }
     x.iter_mut().for_each(|x| *x = x.clamp(low, high));
     x
+}
+
+/// The same δ everywhere.
+fn fill(surface: &Surface, delta: f64, x: &mut [f32]) {
+    for (x, crossing) in x.iter_mut().zip(surface.crossings()) {
+        *x = crossing.from_low(delta) as f32;
+    }
 }
 
 /// Slices per piece of work; each needs some more on both sides.
@@ -64,5 +73,5 @@ fn blur(surface: &Surface, spacing: [f64; 3], x: &mut [f32]) {
 fn passing(low: i32, high: i32) -> f32 {
     const FAR: f32 = 0.5;
     let passing = low as f32 / (low - high) as f32;
-    if (-FAR..=1.0 + FAR).contains(&passing) { passing.clamp(0.02, 0.98) } else { 0.5 }
+    if (-FAR..=1.0 + FAR).contains(&passing) { passing.clamp(0.04, 0.96) } else { 0.5 }
 }
