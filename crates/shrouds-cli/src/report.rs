@@ -61,6 +61,10 @@ pub(crate) struct Solver {
     /// In grid edge lengths.
     pub(crate) projected_step: RmsMax,
     /// Share of the vertices at a bound, 0 to 1.
+    /// What a vertex can gain at most by moving alone.
+    largest_gain: f64,
+    /// How far above the minimum the energy can be; null where that is not known.
+    energy_gap: Option<f64>,
     pub(crate) at_bound: f64,
     pub(crate) rounds: Vec<RoundReport>,
 }
@@ -219,6 +223,8 @@ impl Solver {
                 rms: report.projected_step_rms,
                 max: report.projected_step_max,
             },
+            largest_gain: report.largest_gain,
+            energy_gap: report.energy_gap,
             at_bound: report.at_bound,
             rounds: report.rounds.iter().map(RoundReport::new).collect(),
         }

@@ -179,6 +179,37 @@ fn one_thread_and_two_give_the_same_bits() {
 }
 
 #[test]
+fn the_certificate_of_a_convex_energy_holds() {
+    // Against runs to the last digit: the true distance to the minimum is never above the gap.
+    for volume in [egg(), phantom::linked_tori(24).unwrap(), maze()] {
+        let run = |solver, tolerance, max_iterations| {
+            let energy = Some(Linear::default().into());
+            let tolerance = Some(tolerance);
+            run(&volume, &Settings { energy, solver, tolerance, max_iterations, ..exact() }).1
+        };
+        let minimum = run(Solver::Newton, 1e-11, Some(400));
+        let gap = |report: &Report| report.energy_gap.expect("linear is convex");
+        assert!(gap(&minimum) < 1e-6 * minimum.energy[1], "{minimum:?}");
+        for (solver, tolerance, steps) in [
+            (Solver::Newton, 0.5, None),
+            (Solver::Newton, 1e-3, None),
+            (Solver::Newton, 1e-6, Some(2)),
+            (Solver::Sweeps, 0.1, Some(3)),
+        ] {
+            if solver == Solver::Sweeps && volume.count() > 10_000 {
+                continue;
+            }
+            let report = run(solver, tolerance, steps);
+            let error = report.energy[1] - minimum.energy[1];
+            assert!(error <= gap(&report), "{solver:?}: {error:e} above {:e}", gap(&report));
+        }
+    }
+    let bending = run(&egg(), &Settings { energy: Some(Bending.into()), ..exact() }).1;
+    assert_eq!(bending.energy_gap, None);
+    assert!((0.0..1e-3).contains(&bending.largest_gain));
+}
+
+#[test]
 fn the_sum_over_curves_is_the_energy() {
     let volume = egg();
     let surface = Surface::extract(&volume, FaceRule::Separate, Border::Closed).unwrap();

@@ -94,6 +94,10 @@ impl<F: Fn([Point2<Slope>; 4]) -> [Slope; 2] + Send + Sync> CurveEnergy for Cust
         terms
     }
 
+    fn is_convex(&self) -> bool {
+        false
+    }
+
     fn meusnier_exponent(&self) -> f64 {
         self.meusnier_exponent
     }

@@ -24,4 +24,8 @@ impl CurveFormula for Length {
     fn name(&self) -> String {
         "length".into()
     }
+
+    fn is_convex(&self) -> bool {
+        true
+    }
 }

@@ -33,4 +33,8 @@ impl CurveFormula for Linear {
     fn name(&self) -> String {
         format!("linear({})", self.parameter)
     }
+
+    fn is_convex(&self) -> bool {
+        self.parameter == Parameter::Uniform
+    }
 }

@@ -105,6 +105,12 @@ pub trait CurveFormula: Send + Sync {
         Term { residual: residual.map(|r| r.value), slope: residual.map(|r| r.slope) }
     }
 
+    /// Whether ρ is a convex function of the positions: then there is one minimum, and how far off it
+    /// is can be told.
+    fn is_convex(&self) -> bool {
+        false
+    }
+
     /// The exponent A of the Meusnier weight `(1 − n_p²)^(A/2)`, `n` being the surface normal at the
     /// vertex and `p` the normal of the curve's plane; 0 for none.
     ///
@@ -136,6 +142,8 @@ pub trait CurveEnergy: Send + Sync {
     fn terms_single(&self, stencils: &Stencil<Lanes<f32>>) -> Term<Lanes<f32>>;
     /// [`CurveEnergy::term`] of several stencils in double precision.
     fn terms_double(&self, stencils: &Stencil<Lanes<f64>>) -> Term<Lanes<f64>>;
+    /// See [`CurveFormula::is_convex`].
+    fn is_convex(&self) -> bool;
     /// See [`CurveFormula::meusnier_exponent`].
     fn meusnier_exponent(&self) -> f64;
     /// See [`CurveFormula::barrier`].
@@ -166,6 +174,10 @@ impl<F: CurveFormula> CurveEnergy for F {
 
     fn terms_double(&self, stencils: &Stencil<Lanes<f64>>) -> Term<Lanes<f64>> {
         self.differentiate(stencils.map(f64x8::new)).map(|wide| wide.to_array())
+    }
+
+    fn is_convex(&self) -> bool {
+        CurveFormula::is_convex(self)
     }
 
     fn meusnier_exponent(&self) -> f64 {

@@ -32,6 +32,10 @@ impl CurveFormula for Stretch {
     fn name(&self) -> String {
         format!("stretch({})", self.parameter)
     }
+
+    fn is_convex(&self) -> bool {
+        self.parameter == Parameter::Uniform
+    }
 }
 
 /// Splines in tension (paper, section 5): [`Linear`] + `nu`·[`Stretch`]. `nu` has no unit and is not

@@ -54,6 +54,11 @@ impl Energy {
         supports.max().unwrap_or(Support::Neighbours)
     }
 
+    /// Whether it is a convex function of the positions, its weights taken as they are.
+    pub fn is_convex(&self) -> bool {
+        self.parts.iter().all(|part| part.measure.is_convex())
+    }
+
     /// Whether any of its measures has Meusnier weights.
     pub(crate) fn has_meusnier_weights(&self) -> bool {
         self.parts.iter().any(|part| part.measure.meusnier_exponent() != 0.0)

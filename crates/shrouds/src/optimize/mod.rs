@@ -115,8 +115,9 @@ impl Task<'_> {
         let conditions = Conditions::new(self.surface, self.settings, &energy, self.flatness);
         let network = Network::trace(self.surface);
         let mut problem = Problem::new(&network, &conditions, <[f32]>::to_vec);
-        let (rounds, stationarity) =
+        let (rounds, mut stationarity) =
             sweeps::solve(&mut problem, self.surface, &mut x, self.settings, observer);
+        stationarity.is_certain = energy.is_convex();
         let report = Report::new(Vec::new(), rounds, &stationarity);
         Optimum { delta: deltas(self.surface, &x), slopes: problem.slopes(&x), report }
     }

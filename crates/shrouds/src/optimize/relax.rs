@@ -142,9 +142,21 @@ impl Work<'_> {
                 pass.status != Status::IterationLimit || done + pass.steps() >= most_steps;
             self.take(pass);
             if is_last {
-                return;
+                break;
             }
         }
+        if self.conditions.energy.is_convex() {
+            self.certify(x);
+        }
+    }
+
+    /// Looks at the surface once more, all of it as it is now, and finds out how far from the minimum
+    /// it can be.
+    fn certify<R: Real>(&mut self, x: &mut [R]) {
+        let pass = Pass::new(&[&[]], Status::default());
+        let pass = self.make(pass, &[&[]], false, x, &mut |_, _| false);
+        self.relaxed.stationarity = pass.stationarity;
+        self.relaxed.stationarity.is_certain = true;
     }
 
     /// Visits all tiles, `shifted` against those of the pass before. `stop` is told how the pass goes

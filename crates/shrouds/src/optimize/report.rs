@@ -3,6 +3,9 @@
 use crate::optimize::model::Model;
 use crate::optimize::real::Real;
 
+/// What rounding may add to the energy, as a part of it.
+const ROUNDING: f64 = 1e-12;
+
 /// How an optimisation ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Status {
@@ -68,6 +71,12 @@ pub struct Report {
     pub projected_step_rms: f64,
     /// The largest such step.
     pub projected_step_max: f64,
+    /// No vertex can lower the energy by more than this by moving alone, to second order.
+    pub largest_gain: f64,
+    /// The energy is at most this far above its minimum, with the weights in force: the duality gap
+    /// `max over y in the box of ∇E(x)·(x − y)`. Only for convex energies, worked on in double
+    /// precision.
+    pub energy_gap: Option<f64>,
     /// Share of the vertices that sit at a bound, from 0 to 1.
     pub at_bound: f64,
     /// The rounds, in order.
@@ -82,8 +91,12 @@ pub(super) struct Stationarity {
     gradient_squared: f64,
     step_squared: f64,
     step_max: f64,
+    gain_max: f64,
+    gap: f64,
     at_bound: usize,
     count: usize,
+    /// Whether the gap bounds the distance to the minimum.
+    pub(super) is_certain: bool,
 }
 
 impl Stationarity {
@@ -103,6 +116,10 @@ impl Stationarity {
             sum.gradient_squared += if held { 0.0 } else { gradient * gradient };
             sum.step_squared += step * step;
             sum.step_max = sum.step_max.max(step.abs());
+            let gain = -step * (gradient + 0.5 * model.diagonal(v) * step);
+            sum.gain_max = sum.gain_max.max(gain);
+            let room = if gradient > 0.0 { x - low } else { x - high };
+            sum.gap += gradient * room.to_f64();
             sum.at_bound += usize::from(x <= low || x >= high);
             sum.count += 1;
         }
@@ -114,6 +131,8 @@ impl Stationarity {
         self.gradient_squared += other.gradient_squared;
         self.step_squared += other.step_squared;
         self.step_max = self.step_max.max(other.step_max);
+        self.gain_max = self.gain_max.max(other.gain_max);
+        self.gap += other.gap;
         self.at_bound += other.at_bound;
         self.count += other.count;
     }
@@ -143,6 +162,10 @@ impl Report {
             projected_gradient: stationarity.gradient_squared.sqrt(),
             projected_step_rms: stationarity.step_rms(),
             projected_step_max: stationarity.step_max,
+            largest_gain: stationarity.gain_max,
+            energy_gap: stationarity
+                .is_certain
+                .then(|| stationarity.gap + ROUNDING * energy[1].abs()),
             at_bound: stationarity.at_bound as f64 / stationarity.count.max(1) as f64,
             rounds,
             prepared,
