@@ -18,6 +18,8 @@ const SHARP_TURN: f32 = 0.3;
 const LONG_LONE_STEP: f64 = 0.003;
 const AWKWARD_SWEEPS: usize = 5;
 const FEW: usize = 20;
+/// See [`Step::moved`].
+const FAR: f64 = 0.01;
 /// With a barrier a step covers at most this part of the way to a bound.
 const MOST_OF_THE_WAY: f32 = 0.95;
 
@@ -31,13 +33,14 @@ pub(super) struct Newton<R> {
 pub(super) struct Step {
     /// The energy after it.
     pub(super) value: Value,
-    /// The sum of the squares of what the vertices moved, in edge lengths.
+    /// The sum of the squares of what the vertices moved, in edge lengths, at most `FAR` each: a few
+    /// at creases may go on for long without the surface gaining by it.
     pub(super) moved: f64,
 }
 
 impl Step {
     fn to<R: Real>(value: Value, x: &mut Vec<R>, new: Vec<R>) -> Self {
-        let square = |(a, b): (&R, &R)| (a.to_f64() - b.to_f64()).powi(2);
+        let square = |(a, b): (&R, &R)| (a.to_f64() - b.to_f64()).abs().min(FAR).powi(2);
         let moved = x.iter().zip(&new).map(square).sum();
         *x = new;
         Self { value, moved }

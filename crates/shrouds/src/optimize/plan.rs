@@ -16,10 +16,16 @@ pub(super) struct Stage {
 pub(super) enum Passes {
     /// The steps of every pass.
     Fixed(&'static [&'static [Effort]]),
-    /// Passes until one finds next to nothing to do, with a tolerance for the root mean square of the
-    /// steps.
-    UntilConverged(f64),
+    /// Passes until one finds next to nothing to do.
+    UntilConverged {
+        /// For the root mean square of the steps.
+        tolerance: f64,
+        most_steps: usize,
+    },
 }
+
+/// The most steps that prepare the work on another energy: enough on smooth surfaces to converge.
+const PREPARATION: usize = 20;
 
 /// Steps of a pass that is one of many. More would be wasted on weights that change anyway.
 pub(super) const STEPS: [Effort; 4] = [Effort {
@@ -53,15 +59,15 @@ const DEFAULT: Passes = Passes::Fixed(&[&[FIRST, iterations(20)], &[iterations(3
 /// of bending, which has few.
 pub(super) fn stages(settings: &Settings) -> Vec<Stage> {
     let energy = settings.energy();
-    let passes = match settings.preset {
+    let passes = |most_steps| match settings.preset {
         Preset::Fast => FAST,
         Preset::Default => DEFAULT,
-        Preset::Exact => Passes::UntilConverged(settings.tolerance()),
+        Preset::Exact => Passes::UntilConverged { tolerance: settings.tolerance(), most_steps },
     };
     let mut stages = Vec::new();
     if energy.support() == Support::NextTwo {
-        stages.push(Stage { energy: Bending.into(), passes });
+        stages.push(Stage { energy: Bending.into(), passes: passes(PREPARATION) });
     }
-    stages.push(Stage { energy, passes });
+    stages.push(Stage { energy, passes: passes(usize::MAX) });
     stages
 }

@@ -58,8 +58,8 @@ pub(super) fn relax<R: Real>(
     let mut work = Work { surface, conditions, least: 0.0, relaxed: Relaxed::new(x.len()) };
     match passes {
         Passes::Fixed(passes) => work.make_all(passes, most_steps, x, observer),
-        Passes::UntilConverged(tolerance) => {
-            work.converge(tolerance, most_steps, x, observer);
+        Passes::UntilConverged { tolerance, most_steps: own_most } => {
+            work.converge(tolerance, most_steps.min(own_most), x, observer);
         }
     }
     work.relaxed
