@@ -72,7 +72,7 @@ pub(crate) enum Verb {
     #[command(after_help = with_energies(verbs::COMPARE_HELP))]
     Compare(CompareArgs),
     /// Separate an image, or a slice of a volume: the same in two dimensions
-    #[command(after_help = polygon::POLYGON_HELP)]
+    #[command(after_help = with_energies(polygon::POLYGON_HELP))]
     Polygon(PolygonArgs),
 }
 

@@ -47,7 +47,7 @@ fn a_table_has_a_line_for_every_energy() {
         lines[4..end].iter().map(|line| line.split("  ").next().unwrap()).collect();
     assert_eq!(
         names,
-        ["bending", "linear(uniform) *", "curvature(chord) *", "2*bending+variation *"]
+        ["bending", "linear(uniform) *", "curvature(chord) *", "2*bending+variation"]
     );
     let widths: Vec<usize> = lines[3..end].iter().map(|line| line.chars().count()).collect();
     assert!(widths.iter().all(|width| *width == widths[0]), "{}", done.out);

@@ -234,7 +234,7 @@ fn the_frame_of_the_file_or_the_index() {
     data[(4 + 2) * 3 + 1] = 1;
     folder.file("voxel.nii", &nifti(&[3, 4, 5], affine, &data));
     let middle = |options: &str| {
-        folder.succeed(&format!("mesh voxel.nii -o out.ply --quiet {options}"));
+        folder.succeed(&format!("mesh voxel.nii -o out.ply --preset exact --quiet {options}"));
         let mesh = folder.mesh("out.ply");
         assert!(mesh.volume() > 0.0, "{options}");
         let mean: [f64; 3] =
@@ -243,7 +243,6 @@ fn the_frame_of_the_file_or_the_index() {
             let out: f64 = (0..3).map(|k| f64::from(normal[k]) * (vertex[k] - mean[k])).sum();
             assert!(out > 0.0, "{options}");
         }
-        // The usual preset finds positions in single precision; the largest spacing is 100.
         mean.map(|x| (x * 1e3).round() / 1e3)
     };
     assert_eq!(middle(""), [6.0, 19.5, 27.0]);
