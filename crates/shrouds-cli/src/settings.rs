@@ -20,6 +20,8 @@ pub(crate) struct SettingsReport {
     /// The one in force, arguments included; left out where every result has its own.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) energy: Option<String>,
+    /// In degrees; null if all is smooth.
+    crease: Option<f64>,
     solver: Solver,
     /// Null for the sweeps.
     pub(crate) preset: Option<Preset>,
@@ -49,7 +51,22 @@ pub(crate) struct Job {
 
 impl Job {
     pub(crate) fn new(args: &ShroudArgs, frame: FrameChoice) -> Result<Self, Failure> {
-        Self::with_energy(&args.solve, args.energy.as_deref(), args.strict, frame)
+        let job = Self::with_energy(&args.solve, args.energy.as_deref(), args.strict, frame)?;
+        job.with_crease(args.crease)
+    }
+
+    /// With creases from these degrees on, if any are asked for.
+    fn with_crease(mut self, degrees: Option<f64>) -> Result<Self, Failure> {
+        if degrees.is_some() && self.settings.optimize.converges() {
+            return Err(Failure::Call(
+                "--crease has no meaning for --preset exact, --solver sweeps, --strict and --tolerance, which go on until they converge: leave one of them out"
+                    .into(),
+            ));
+        }
+        let crease = |degrees: f64| optimize::Crease { angle: degrees.to_radians() };
+        self.settings.optimize.crease = degrees.map(crease);
+        self.report.crease = degrees;
+        Ok(self)
     }
 
     /// With the energy of the preset if none is given.
@@ -79,6 +96,7 @@ impl Job {
         };
         let report = SettingsReport {
             energy: Some(settings.optimize.energy().to_string()),
+            crease: None,
             solver: args.solver,
             preset,
             tolerance: settings.optimize.converges().then(|| settings.optimize.tolerance()),

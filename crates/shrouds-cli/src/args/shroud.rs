@@ -14,6 +14,12 @@ pub(crate) struct ShroudArgs {
     /// made for, bending]
     #[arg(long, value_name = "TEXT", value_parser = values::energy)]
     pub(crate) energy: Option<String>,
+    /// Keep edges sharp and faces flat, for boxes, letters and machine parts; smooth shapes become
+    /// faceted. Vertices where a slice curve turns by much more than this many degrees count next to
+    /// nothing; without a number 5.7. For --preset fast and default
+    #[arg(long, value_name = "DEGREES", num_args = 0..=1, require_equals = true,
+        default_missing_value = "5.7", value_parser = values::crease)]
+    pub(crate) crease: Option<f64>,
     #[command(flatten)]
     pub(crate) solve: SolveArgs,
     /// Go on until the optimisation converges, and exit with code 3 when it does not; files are still

@@ -81,6 +81,12 @@ pub(crate) fn fraction(text: &str) -> Result<f64, String> {
     inside.ok_or_else(|| "give a number above 0 and below 1".into())
 }
 
+/// The turning angle of a crease.
+pub(crate) fn crease(text: &str) -> Result<f64, String> {
+    let inside = number(text).filter(|x| (0.6..=57.0).contains(x));
+    inside.ok_or_else(|| "give degrees between 0.6 and 57".into())
+}
+
 /// An angle above the horizon.
 pub(crate) fn elevation(text: &str) -> Result<f64, String> {
     let inside = number(text).filter(|x| x.abs() <= 90.0);

@@ -150,7 +150,7 @@ fn job(args: &PolygonArgs) -> Result<Job, Failure> {
         return Err(Failure::Call(format!("{option} {message}")));
     }
     let mut shroud = args.shroud.clone();
-    if shroud.solve.solver == crate::args::Solver::Newton {
+    if shroud.solve.solver == crate::args::Solver::Newton && shroud.crease.is_none() {
         shroud.solve.preset = shroud.solve.preset.or(Some(Preset::Exact));
     }
     Job::new(&shroud, args.frame.frame)

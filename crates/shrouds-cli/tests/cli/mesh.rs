@@ -323,3 +323,27 @@ fn an_energy_that_may_destroy_is_warned_of() {
         assert!(done.code == 0 && !done.err.contains("warning"), "{call}: {}", done.err);
     }
 }
+
+#[test]
+fn creases_on_request() {
+    let folder = Folder::with_tori();
+    let told = |options: &str| {
+        let done = folder.run(&format!("mesh volume.npy -o out.ply --json {options}"));
+        assert_eq!(done.code, 0, "{}", done.err);
+        serde_json::from_str::<Value>(&done.out).unwrap()
+    };
+    let (plain, creased, wider) = (told(""), told("--crease"), told("--crease=12"));
+    let angles = [&plain, &creased, &wider].map(|report| report["settings"]["crease"].clone());
+    assert_eq!(angles, [Value::Null, 5.7.into(), 12.0.into()]);
+    let volumes = [&plain, &creased, &wider].map(|report| report["geometry"]["volume"].clone());
+    assert!(volumes[0] != volumes[1] && volumes[1] != volumes[2], "{volumes:?}");
+    assert_eq!(creased["solver"]["status"], "preset done");
+    clean(&creased["checks"]);
+
+    for options in ["--crease=0", "--crease=90", "--crease=x", "--crease --preset exact"] {
+        let done = folder.run(&format!("mesh volume.npy -o out.ply {options}"));
+        assert_eq!(done.code, 2, "{options}: {}", done.err);
+    }
+    let done = folder.run("mesh volume.npy -o out.ply --crease --strict");
+    assert!(done.code == 2 && done.err.contains("--crease"), "{}", done.err);
+}

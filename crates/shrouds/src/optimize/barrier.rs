@@ -22,27 +22,39 @@ pub(super) struct Barrier {
     is_set: bool,
 }
 
+/// The part of the strength that all vertices share.
+#[derive(Clone, Copy)]
+pub(super) enum Shared {
+    /// This part of their mean energy, see
+    /// [`CurveFormula::barrier`](crate::energy::CurveFormula::barrier).
+    ByEnergy(f64),
+    /// Whatever their energy.
+    Fixed(f64),
+}
+
 impl Barrier {
     pub(super) fn none(vertices: usize) -> Self {
         Self { strengths: vec![0.0; vertices], is_set: false }
     }
 
-    /// Sets the strengths for an energy that asks for a barrier of strength `shared` (see
-    /// [`CurveFormula::barrier`](crate::energy::CurveFormula::barrier)), for vertices that lie so
-    /// surely on flat faces and have these energies.
+    /// Sets the strengths for vertices that lie so surely on flat faces and have these energies.
     pub(super) fn set(
         &mut self,
-        shared: f64,
+        shared: Shared,
         flatness: &[f32],
         energy_of: impl Fn(usize) -> f64 + Sync,
     ) {
-        self.is_set = shared > 0.0;
+        let (Shared::ByEnergy(strength) | Shared::Fixed(strength)) = shared;
+        self.is_set = strength > 0.0;
         if !self.is_set {
             return;
         }
         let count = self.strengths.len();
         let sum = parallel::sum_blocks(count, |range| range.map(&energy_of).sum::<f64>());
-        let shared = (shared * sum / count.max(1) as f64).min(SHARED_CAP);
+        let shared = match shared {
+            Shared::ByEnergy(part) => (part * sum / count.max(1) as f64).min(SHARED_CAP),
+            Shared::Fixed(strength) => strength,
+        };
         parallel::fill(&mut self.strengths, |v| {
             let energy = energy_of(v);
             let own = OWN_SHARE * energy * energy.min(1.0);

@@ -11,6 +11,7 @@ mod around;
 mod barrier;
 mod blur;
 mod conjugate;
+mod crease;
 mod model;
 mod flat;
 mod newton;
@@ -19,6 +20,7 @@ mod problem;
 mod real;
 mod relax;
 mod report;
+mod rough;
 mod settings;
 mod start;
 mod strip;
@@ -29,8 +31,11 @@ mod visit;
 
 pub use alone::minimise_vertex;
 pub use report::{Report, Round, Status};
-pub use settings::{Observer, Preset, Progress, Settings, Solver, Start};
+pub use settings::{Crease, Observer, Preset, Progress, Settings, Solver, Start};
 
+use std::sync::Arc;
+
+use crate::energy::Energy;
 use crate::error::Error;
 use crate::network::Network;
 use crate::parallel;
@@ -57,7 +62,8 @@ pub struct Optimum {
 /// The result has the same bits on any number of threads.
 ///
 /// # Errors
-/// [`Error::Setting`] when a setting is outside its range.
+/// [`Error::Setting`] when a setting is outside its range, or the mask of rough places not on the grid
+/// of the volume.
 pub fn optimize(
     surface: &Surface,
     settings: &Settings,
@@ -70,7 +76,11 @@ pub fn optimize(
     let x = start::positions(surface, &settings.start, spacing, bounds);
     // In double precision the bounds are nearer to their value.
     let in_double = || x.iter().map(|&x| f64::from(x).clamp(bounds[0], bounds[1])).collect();
-    let task = Task { surface, settings, flatness: &flatness };
+    let rough = match &settings.rough {
+        Some(marked) => Some(rough::factors(surface, marked)?),
+        None => None,
+    };
+    let task = Task { surface, settings, flatness: &flatness, rough };
     Ok(match (settings.solver, settings.preset) {
         _ if x.is_empty() => Optimum::default(),
         (Solver::Sweeps, _) => task.sweep(in_double(), observer),
@@ -85,6 +95,8 @@ struct Task<'a> {
     settings: &'a Settings,
     /// See [`flat::flatness`].
     flatness: &'a [f32],
+    /// See [`rough::factors`].
+    rough: Option<Arc<[f32]>>,
 }
 
 impl Task<'_> {
@@ -93,9 +105,22 @@ impl Task<'_> {
         let mut left = self.settings.max_iterations();
         let (mut preparation, mut slopes) = (Vec::new(), Vec::new());
         let mut report = Report::default();
-        for plan::Stage { energy, passes } in plan::stages(self.settings) {
+        let thinness = match self.settings.crease {
+            Some(_) => crease::thinness(self.surface),
+            None => Vec::new(),
+        };
+        let stages = plan::stages(self.settings, &thinness);
+        let count = stages.len() as f64;
+        for (n, plan::Stage { energy, passes, creases }) in stages.into_iter().enumerate() {
+            let energy = self.with_rough_places(energy);
             let conditions = Conditions::new(self.surface, self.settings, &energy, self.flatness);
-            let relaxed = relax::relax(self.surface, &conditions, passes, left, &mut x, observer);
+            let conditions = Conditions { creases, ..conditions };
+            let mut of_all = |progress: Progress| {
+                let share_done = progress.share_done.map(|share| (n as f64 + share) / count);
+                observer(Progress { share_done, ..progress })
+            };
+            let relaxed =
+                relax::relax(self.surface, &conditions, passes, left, &mut x, &mut of_all);
             left -= relaxed.steps();
             let is_cancelled = relaxed.status() == Status::Cancelled;
             slopes = relaxed.slopes;
@@ -109,9 +134,17 @@ impl Task<'_> {
         Optimum { delta: deltas(self.surface, &x), slopes, report }
     }
 
+    /// The energy, switched off where the surface need not be smooth.
+    fn with_rough_places(&self, energy: Energy) -> Energy {
+        match &self.rough {
+            Some(factors) => energy.with_factors(factors),
+            None => energy,
+        }
+    }
+
     /// The paper's method.
     fn sweep(&self, mut x: Vec<f64>, observer: &mut Observer) -> Optimum {
-        let energy = self.settings.energy();
+        let energy = self.with_rough_places(self.settings.energy());
         let conditions = Conditions::new(self.surface, self.settings, &energy, self.flatness);
         let network = Network::trace(self.surface);
         let mut problem = Problem::new(&network, &conditions, <[f32]>::to_vec);

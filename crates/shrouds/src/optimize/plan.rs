@@ -2,12 +2,14 @@
 
 use crate::energy::{Bending, Energy, Support};
 use crate::optimize::conjugate::Effort;
-use crate::optimize::settings::{Preset, Settings};
+use crate::optimize::crease::{BARRIERS, Creases};
+use crate::optimize::settings::{Crease, Preset, Settings};
 
 /// A part of the work, with one energy.
-pub(super) struct Stage {
+pub(super) struct Stage<'a> {
     pub(super) energy: Energy,
     pub(super) passes: Passes,
+    pub(super) creases: Option<Creases<'a>>,
 }
 
 /// Passes over the surface; weights and barrier are frozen anew for each, and a step is one of all
@@ -53,11 +55,16 @@ const FAST: Passes = Passes::Fixed(&[&[iterations(20)]]);
 const FIRST: Effort = Effort { repairs: false, ..iterations(10) };
 const DEFAULT: Passes = Passes::Fixed(&[&[FIRST, iterations(20)], &[iterations(30)]]);
 
-/// The stages that lead to a minimum of the energy asked for.
+/// Of every barrier strength on the way to creases.
+const FAST_CREASES: Passes = Passes::Fixed(&[&[iterations(20)]]);
+const CREASES: Passes = Passes::Fixed(&[&[iterations(30)], &[iterations(30)]]);
+
+/// The stages that lead to a minimum of the energy asked for. `thinness` is needed for creases, see
+/// [`thinness`](crate::optimize::crease::thinness).
 ///
 /// An energy that looks at four vertices has flat valleys and local minima; it starts from the minimum
-/// of bending, which has few.
-pub(super) fn stages(settings: &Settings) -> Vec<Stage> {
+/// of bending, which has few. One that lets creases be starts from the one that does not.
+pub(super) fn stages<'a>(settings: &Settings, thinness: &'a [f32]) -> Vec<Stage<'a>> {
     let energy = settings.energy();
     let passes = |most_steps| match settings.preset {
         Preset::Fast => FAST,
@@ -66,8 +73,20 @@ pub(super) fn stages(settings: &Settings) -> Vec<Stage> {
     };
     let mut stages = Vec::new();
     if energy.support() == Support::NextTwo {
-        stages.push(Stage { energy: Bending.into(), passes: passes(PREPARATION) });
+        stages.push(Stage { energy: Bending.into(), passes: passes(PREPARATION), creases: None });
     }
-    stages.push(Stage { energy, passes: passes(usize::MAX) });
+    let Some(Crease { angle }) = settings.crease else {
+        stages.push(Stage { energy, passes: passes(usize::MAX), creases: None });
+        return stages;
+    };
+    let mut push = |angle, barrier, passes| {
+        let creases = Some(Creases { angle, barrier, thinness });
+        stages.push(Stage { energy: energy.clone(), passes, creases });
+    };
+    let creasing = if settings.preset == Preset::Fast { FAST_CREASES } else { CREASES };
+    push(f64::INFINITY, BARRIERS[0], passes(usize::MAX));
+    for barrier in BARRIERS {
+        push(angle, barrier, creasing);
+    }
     stages
 }

@@ -4,8 +4,9 @@ use std::iter::Sum;
 use std::ops::{Add, Range};
 
 use crate::energy::{CurveEnergy, Energy, LANES, Lanes, Support};
-use crate::network::{Network, REPEATED};
-use crate::optimize::barrier::Barrier;
+use crate::network::{Network, REPEATED, Step};
+use crate::optimize::barrier::{Barrier, Shared};
+use crate::optimize::crease::{self, Creases};
 use crate::optimize::real::Real;
 use crate::optimize::settings::Settings;
 use crate::optimize::strip::{Lengths, STRIP, Strip};
@@ -27,6 +28,7 @@ pub(super) struct Conditions<'a> {
     pub(super) bounds: [f64; 2],
     /// See [`flatness`](crate::optimize::flat::flatness).
     pub(super) flatness: &'a [f32],
+    pub(super) creases: Option<Creases<'a>>,
 }
 
 impl<'a> Conditions<'a> {
@@ -38,7 +40,8 @@ impl<'a> Conditions<'a> {
     ) -> Self {
         let grid = surface.grid();
         let spacing = grid.spacing().map(|h| h / grid.min_spacing());
-        Self { energy, spacing, bounds: [settings.margin, 1.0 - settings.margin], flatness }
+        let bounds = [settings.margin, 1.0 - settings.margin];
+        Self { energy, spacing, bounds, flatness, creases: None }
     }
 }
 
@@ -53,6 +56,9 @@ pub(super) struct Problem<'a, R> {
     pub(super) barrier: Barrier,
     /// How surely every vertex lies on a flat face along the grid.
     flatness: Vec<f32>,
+    creases: Option<Creases<'a>>,
+    /// See [`thinness`](crease::thinness); empty without creases.
+    thinness: Vec<f32>,
     /// Whether a vertex must stay where it is, and whether there is one that must.
     pub(super) is_fixed: Vec<bool>,
     has_fixed: bool,
@@ -108,11 +114,13 @@ impl<'a, R: Real> Problem<'a, R> {
             lengths: Lengths::new(conditions.spacing),
             bounds: conditions.bounds.map(R::from_f64),
             flatness: local(conditions.flatness),
+            creases: conditions.creases,
+            thinness: conditions.creases.map(|creases| local(creases.thinness)).unwrap_or_default(),
             barrier: Barrier::none(network.vertex_count()),
             is_fixed: vec![false; network.vertex_count()],
             has_fixed: false,
         };
-        problem.set_weights(&vec![[R::from_f64(1.0); 2]; network.vertex_count()]);
+        problem.set_weights(&vec![[R::from_f64(1.0); 2]; network.vertex_count()], &[]);
         problem
     }
 
@@ -129,7 +137,12 @@ impl<'a, R: Real> Problem<'a, R> {
 
     /// Whether weights or barrier depend on the surface.
     pub(super) fn needs_freezing(&self) -> bool {
-        self.energy.has_meusnier_weights() || self.energy.barrier() != 0.0
+        self.has_weights() || self.energy.barrier() != 0.0
+    }
+
+    /// Whether the weights depend on the surface.
+    fn has_weights(&self) -> bool {
+        self.energy.has_meusnier_weights() || self.creases.is_some()
     }
 
     /// Sets the Meusnier weights, and the barrier from the energy they give, for the surface at `x`.
@@ -141,7 +154,7 @@ impl<'a, R: Real> Problem<'a, R> {
 
     /// Sets the Meusnier weights for the surface at `x`.
     pub(super) fn freeze_weights(&mut self, x: &[R]) {
-        if !self.energy.has_meusnier_weights() {
+        if !self.has_weights() {
             return;
         }
         // With slopes s of the two curves the normal is (−1, s₁, s₀) along the grid edge and along the
@@ -159,7 +172,8 @@ impl<'a, R: Real> Problem<'a, R> {
             }
             0.0
         });
-        self.set_weights(&shares);
+        let straightness = self.straightness(x);
+        self.set_weights(&shares, &straightness);
     }
 
     /// The slopes of both curves of every vertex over its grid edge: how far their tangents run along
@@ -188,7 +202,11 @@ impl<'a, R: Real> Problem<'a, R> {
             near.into_iter().fold(0.0, f64::max)
         };
         let of_vertex = |v: usize| network.places()[v].iter().map(|&place| near(place)).sum();
-        self.barrier.set(self.energy.barrier(), &self.flatness, of_vertex);
+        let shared = match self.creases {
+            Some(creases) => Shared::Fixed(creases.barrier),
+            None => Shared::ByEnergy(self.energy.barrier()),
+        };
+        self.barrier.set(shared, &self.flatness, of_vertex);
     }
 
     /// [`Problem::slopes`], place by place.
@@ -210,12 +228,16 @@ impl<'a, R: Real> Problem<'a, R> {
 
     /// Weighs each place by a power of the share `1 − n_p²` of its vertex for its curve, and by
     /// nothing where its curve ends. A measure that looks at the next two vertices stands between its
-    /// own vertex and the next.
-    fn set_weights(&mut self, shares: &[[R; 2]]) {
+    /// own vertex and the next. See [`Problem::straightness`] for the rest.
+    fn set_weights(&mut self, shares: &[[R; 2]], straightness: &[[f32; 2]]) {
         let (network, lengths) = (self.network, &self.lengths);
         let steps = network.steps();
         for part in &mut self.parts {
             let (exponent, support) = (part.measure.meusnier_exponent(), part.measure.support());
+            let exponent = match self.creases {
+                Some(_) => exponent.min(crease::MEUSNIER_EXPONENT),
+                None => exponent,
+            };
             let (weight, factors) = (R::from_f64(part.weight), part.factors.as_deref());
             parallel::update_blocks(&mut part.weights, NONE, |first, weights, []| {
                 let end = first + weights.len();
@@ -229,16 +251,22 @@ impl<'a, R: Real> Problem<'a, R> {
                     Some(factors) => factors[network.vertices()[first + n] as usize],
                     None => 1.0,
                 };
+                let straight = |n: usize, step: &Step| {
+                    let v = network.vertices()[(first + n).min(steps.len() - 1)] as usize;
+                    straightness.get(v).map_or(1.0, |weights| weights[step.curve()])
+                };
                 for (n, ((step, shares), (next, of_next))) in own.zip(next.zip(of_next)).enumerate()
                 {
                     let was_linked = std::mem::replace(&mut is_linked, step.is_linked());
                     let (mut share, mut is_whole) = (shares[step.curve()], was_linked && is_linked);
+                    let mut factor = factor(n) * straight(n, step);
                     if support == Support::NextTwo {
+                        factor *= straight(n + 1, next);
                         share = R::from_f64(0.5) * (share + of_next[next.curve()]);
                         is_whole &= next.is_linked();
                     }
                     let full = weight
-                        * R::from_f64(f64::from(factor(n)))
+                        * R::from_f64(f64::from(factor))
                         * power_of_root(share, exponent)
                         * lengths.between_planes(step.normal());
                     weights[n] = if is_whole { full } else { R::default() };
@@ -246,6 +274,15 @@ impl<'a, R: Real> Problem<'a, R> {
                 0.0
             });
         }
+    }
+
+    /// By what both places of every vertex count less for the creases there; nothing without creases.
+    fn straightness(&self, x: &[R]) -> Vec<[f32; 2]> {
+        let Some(creases) = self.creases else { return Vec::new() };
+        let of_places = self.mark_places(x, |_, cosine| creases.weight(cosine));
+        let of_vertices = self.network.at_vertices(0..x.len(), &of_places);
+        let with_thin = |(weights, &thin): ([f32; 2], &f32)| weights.map(|w| w.max(thin));
+        of_vertices.zip(&self.thinness).map(with_thin).collect()
     }
 
     /// The energy at `x`, barrier included.
@@ -336,13 +373,17 @@ impl<'a, R: Real> Problem<'a, R> {
 
     /// A mark for every place: `mark` of the smaller squared length of the chords before and after it
     /// and the cosine between them. Where a curve ends the missing neighbour lies far away.
-    pub(super) fn mark_places(&self, x: &[R], mark: impl Fn(f32, f32) -> u8 + Sync) -> Vec<u8> {
-        let mut marks = vec![0; self.network.vertices().len()];
+    pub(super) fn mark_places<M: Copy + Default + Send>(
+        &self,
+        x: &[R],
+        mark: impl Fn(f32, f32) -> M + Sync,
+    ) -> Vec<M> {
+        let mut marks = vec![M::default(); self.network.vertices().len()];
         parallel::update_blocks(&mut marks, NONE, |first, marks, []| {
             self.strips(x, first..first + marks.len(), |strip, places| {
                 for n in (0..places.len()).step_by(LANES) {
                     let (lengths, cosines) = turnings(strip, n + REPEATED);
-                    let mut values = [0; LANES];
+                    let mut values = [M::default(); LANES];
                     for l in 0..LANES {
                         values[l] = mark(lengths[l], cosines[l]);
                     }

@@ -1,9 +1,11 @@
 //! What a caller can choose about the optimisation.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use crate::energy::{Bending, Energy, Variation};
 use crate::error::Error;
+use crate::volume::Occupancy;
 
 /// How the minimum is sought.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -44,6 +46,24 @@ pub enum Start {
     Random(u64),
 }
 
+/// Creases: edges stay sharp between faces that become flat, where the data has them.
+///
+/// A vertex where its curve turns by much more than the angle counts next to nothing: the square of
+/// its turning is weighted by `1/(1 + (θ/angle)²)²`, frozen for each pass, which makes the energy one
+/// of Geman and McClure. For shapes that have edges and flat faces; smooth shapes become faceted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Crease {
+    /// The angle in radians by which a curve may turn at a vertex without a crease. Range [0.01, 1];
+    /// default 0.1.
+    pub angle: f64,
+}
+
+impl Default for Crease {
+    fn default() -> Self {
+        Self { angle: 0.1 }
+    }
+}
+
 /// Settings of the optimisation.
 #[derive(Clone)]
 pub struct Settings {
@@ -65,6 +85,12 @@ pub struct Settings {
     pub tolerance: Option<f64>,
     /// Hard limit on Gauss–Newton steps or sweeps. Default 100 or 1000.
     pub max_iterations: Option<usize>,
+    /// Whether creases stay; not with what [`converges`](Settings::converges), as their weights never
+    /// come to rest. Default none: all is smooth.
+    pub crease: Option<Crease>,
+    /// Lattice points near which the surface need not be smooth: the energy does not count at vertices
+    /// whose grid edge has one of them as an end. On the grid of the volume. Default none.
+    pub rough: Option<Arc<Occupancy>>,
 }
 
 impl Default for Settings {
@@ -77,6 +103,8 @@ impl Default for Settings {
             margin: 0.002,
             tolerance: None,
             max_iterations: None,
+            crease: None,
+            rough: None,
         }
     }
 }
@@ -124,7 +152,17 @@ impl Settings {
         if !(self.tolerance() > 0.0 && self.tolerance() < 1.0) {
             return refuse("tolerance", self.tolerance(), "above 0 and below 1");
         }
-        Ok(())
+        match self.crease {
+            Some(Crease { angle }) if !(0.01..=1.0).contains(&angle) => {
+                refuse("crease angle", angle, "between 0.01 and 1 radians")
+            }
+            Some(_) if self.converges() => Err(Error::Setting {
+                name: "crease",
+                value: "on".into(),
+                range: "off for the exact preset and for the sweeps, which converge",
+            }),
+            _ => Ok(()),
+        }
     }
 }
 
