@@ -12,7 +12,10 @@ mod barrier;
 mod blur;
 mod conjugate;
 mod model;
+mod enclosed;
 mod flat;
+mod keep;
+mod level;
 mod newton;
 mod plan;
 mod problem;
@@ -28,13 +31,16 @@ mod univariate;
 mod visit;
 
 pub use alone::minimise_vertex;
-pub use report::{Report, Round, Status};
-pub use settings::{Observer, Preset, Progress, Settings, Solver, Start};
+pub use keep::keep_volumes;
+pub use report::{ComponentVolume, Report, Round, Status};
+pub use settings::{Observer, Preset, Progress, Settings, Solver, Start, VolumeRule};
 
 use crate::error::Error;
 use crate::network::Network;
 use crate::parallel;
 use crate::surface::Surface;
+use crate::volume::Border;
+use keep::Keeper;
 use problem::{Conditions, Problem};
 use real::Real;
 
@@ -64,6 +70,9 @@ pub fn optimize(
     observer: &mut Observer,
 ) -> Result<Optimum, Error> {
     settings.validate()?;
+    if settings.volume == VolumeRule::Keep && surface.border() == Border::Open {
+        return Err(settings::cannot_keep("free for an open border"));
+    }
     let flatness = flat::flatness(surface);
     let energy = settings.energy();
     let Conditions { spacing, bounds, .. } = Conditions::new(surface, settings, &energy, &flatness);
@@ -93,9 +102,18 @@ impl Task<'_> {
         let mut left = self.settings.max_iterations();
         let (mut preparation, mut slopes) = (Vec::new(), Vec::new());
         let mut report = Report::default();
+        let components = match self.settings.volume {
+            VolumeRule::Free => None,
+            VolumeRule::Keep => Some(self.surface.components()),
+        };
+        let bounds = [self.settings.margin, 1.0 - self.settings.margin];
+        let mut keeper = components.as_ref().map(|c| Keeper::new(self.surface, c, bounds));
         for plan::Stage { energy, passes } in plan::stages(self.settings) {
             let conditions = Conditions::new(self.surface, self.settings, &energy, self.flatness);
-            let relaxed = relax::relax(self.surface, &conditions, passes, left, &mut x, observer);
+            let relaxed = match &mut keeper {
+                None => relax::relax(self.surface, &conditions, passes, left, &mut x, observer),
+                Some(keeper) => keeper.relax(&conditions, passes, left, &mut x, observer),
+            };
             left -= relaxed.steps();
             let is_cancelled = relaxed.status() == Status::Cancelled;
             slopes = relaxed.slopes;
@@ -106,6 +124,7 @@ impl Task<'_> {
             }
             preparation.extend(report.rounds.iter().cloned());
         }
+        report.volumes = keeper.map_or(Vec::new(), |keeper| keeper.volumes(&x));
         Optimum { delta: deltas(self.surface, &x), slopes, report }
     }
 

@@ -40,6 +40,18 @@ pub enum Start {
     Random(u64),
 }
 
+/// Whether the volume that the surface encloses is left to the energy.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub enum VolumeRule {
+    /// It is.
+    #[default]
+    Free,
+    /// Every connected component of the surface encloses as many voxel volumes as voxels, as far as the
+    /// bounds allow: a constraint with one Lagrange multiplier for each. For [`Solver::Newton`] and a
+    /// closed border.
+    Keep,
+}
+
 /// Settings of the optimisation.
 #[derive(Clone)]
 pub struct Settings {
@@ -54,6 +66,8 @@ pub struct Settings {
     /// δ stays within `[margin, 1 − margin]`, so that no vertex touches a lattice point.
     /// Range [1e-6, 0.1]; default 0.002.
     pub margin: f64,
+    /// Whether volumes are kept. Default [`VolumeRule::Free`].
+    pub volume: VolumeRule,
     /// When to stop. `Newton` with [`Preset::Exact`]: when the root mean square of the projected
     /// step falls to it and the last step lowered the energy by at most that part of it; the other
     /// presets do not look at it. `Sweeps`: when ‖δᵏ − δᵏ⁺¹‖/‖δᵏ⁺¹‖ falls to it, the paper's rule.
@@ -71,6 +85,7 @@ impl Default for Settings {
             preset: Preset::default(),
             start: Start::default(),
             margin: 0.002,
+            volume: VolumeRule::default(),
             tolerance: None,
             max_iterations: None,
         }
@@ -120,8 +135,16 @@ impl Settings {
         if !(self.tolerance() > 0.0 && self.tolerance() < 1.0) {
             return refuse("tolerance", self.tolerance(), "above 0 and below 1");
         }
+        if self.volume == VolumeRule::Keep && self.solver == Solver::Sweeps {
+            return Err(cannot_keep("free for the sweeps"));
+        }
         Ok(())
     }
+}
+
+/// That volumes cannot be kept, and what is possible.
+pub(super) fn cannot_keep(range: &'static str) -> Error {
+    Error::Setting { name: "volume", value: "keep".into(), range }
 }
 
 /// How far the optimisation has come.

@@ -1,0 +1,291 @@
+//! Volume keeping: every component of the surface encloses as many voxel volumes as voxels.
+//!
+//! A stationary point of the energy E on the surfaces whose components have volumes V is one of
+//! E − Σ λ·V with the right multipliers λ. The surface is worked on tile by tile, so no tile knows a
+//! component's volume; instead every vertex is pulled by the constant force λ·∂V/∂x during a round of
+//! steps. After it, its component has drifted from its volume: that says how to change λ (a secant),
+//! and the component is brought back along its grid edges. Where the drift has died down, λ is right.
+
+use crate::optimize::conjugate::Effort;
+use crate::optimize::enclosed::{Fans, of_triangles};
+use crate::optimize::level::{Level, Path, SHORTEST};
+use crate::optimize::plan::{Passes, STEPS};
+use crate::optimize::problem::Conditions;
+use crate::optimize::real::Real;
+use crate::optimize::relax::{Relaxed, relax};
+use crate::optimize::report::{ComponentVolume, Report, Round, Status};
+use crate::optimize::settings::{Observer, Progress, Settings};
+use crate::parallel;
+use crate::surface::{Components, Surface};
+
+/// Rounds for a preset with a fixed number of steps, each of so many.
+const ROUNDS: usize = 6;
+/// A round of one that converges; the second pass has other tiles.
+const ROUND: Passes = Passes::Fixed(&[&STEPS as &[Effort], &STEPS]);
+/// The part of a volume that it may be off between rounds, and at the end.
+const ROUGHLY: f64 = 1e-5;
+const EXACTLY: f64 = 1e-11;
+/// How much farther vertices move together than each would alone; a first guess.
+const TOGETHER: f64 = 10.0;
+/// How much a round may change the notion of how a component yields.
+const MOST_CHANGE: f64 = 4.0;
+
+/// A surface with what its components are to enclose.
+pub(super) struct Keeper<'a> {
+    surface: &'a Surface,
+    components: &'a Components,
+    fans: Fans<'a>,
+    targets: Vec<f64>,
+    bounds: [f64; 2],
+    multipliers: Vec<Multiplier>,
+    is_held: Vec<bool>,
+}
+
+impl<'a> Keeper<'a> {
+    pub(super) fn new(
+        surface: &'a Surface,
+        components: &'a Components,
+        bounds: [f64; 2],
+    ) -> Self {
+        let count = components.count();
+        Self {
+            surface,
+            components,
+            fans: Fans::new(surface, components),
+            targets: components.voxels().iter().map(|&voxels| voxels as f64).collect(),
+            bounds,
+            multipliers: vec![Multiplier::default(); count],
+            is_held: vec![false; count],
+        }
+    }
+
+    /// As [`relax`](crate::optimize::relax::relax), with volumes kept.
+    pub(super) fn relax<R: Real>(
+        &mut self,
+        conditions: &Conditions,
+        passes: Passes,
+        most_steps: usize,
+        x: &mut [R],
+        observer: &mut Observer,
+    ) -> Relaxed {
+        let (round, rounds, tolerance) = match passes {
+            Passes::Fixed(_) => (passes, Some(ROUNDS), 0.0),
+            Passes::UntilConverged(tolerance) => (ROUND, None, tolerance),
+        };
+        self.multipliers.fill(Multiplier::default());
+        let mut all = Relaxed::new(x.len());
+        let mut gradient = self.restore(x);
+        for n in 0.. {
+            let done = all.steps();
+            let forces = self.forces(&gradient);
+            let conditions = Conditions { forces: Some(&forces), ..*conditions };
+            let mut observer = |progress: Progress| {
+                let share = progress.share_done.zip(rounds);
+                observer(Progress {
+                    iteration: done + progress.iteration,
+                    tolerance,
+                    share_done: share.map(|(share, rounds)| (n as f64 + share) / rounds as f64),
+                    ..progress
+                })
+            };
+            let before = x.to_vec();
+            let mut relaxed =
+                relax(self.surface, &conditions, round, most_steps - done, x, &mut observer);
+            let drift = self.drift(x);
+            self.adjust(&drift, &gradient, relaxed.stationarity.mean_curvature());
+            gradient = self.restore(x);
+            let has_converged =
+                relaxed.stationarity.step_rms() <= tolerance && distance(&before, x) <= tolerance;
+            let status = match relaxed.status() {
+                Status::Preset if has_converged => Status::Converged,
+                Status::Preset if relaxed.steps() == 0 => Status::Stalled,
+                Status::Preset if rounds.is_none_or(|rounds| n + 1 < rounds) => {
+                    Status::IterationLimit
+                }
+                status => status,
+            };
+            let is_last = status != Status::IterationLimit || done + relaxed.steps() >= most_steps;
+            close(&mut relaxed.rounds, status);
+            all.rounds.append(&mut relaxed.rounds);
+            (all.stationarity, all.slopes) = (relaxed.stationarity, relaxed.slopes);
+            if is_last {
+                break;
+            }
+        }
+        all
+    }
+
+    /// What was kept, for the report, with the fans' volumes.
+    pub(super) fn volumes<R: Real>(&self, x: &[R]) -> Vec<ComponentVolume> {
+        let unit = self.surface.grid().voxel_volume();
+        let reached = self.fans.volumes(&in_double(x));
+        let of_component = |n: usize| ComponentVolume {
+            target: self.targets[n] * unit,
+            reached: reached[n] * unit,
+            multiplier: self.multipliers[n].value / unit,
+            is_held: self.is_held[n],
+        };
+        (0..reached.len()).map(of_component).collect()
+    }
+
+    /// The pull of the multipliers on every vertex.
+    fn forces(&self, gradient: &[f64]) -> Vec<f32> {
+        let mut forces = vec![0.0; gradient.len()];
+        let of_vertices = self.components.of_vertices();
+        parallel::fill(&mut forces, |v| {
+            (self.multipliers[of_vertices[v] as usize].value * gradient[v]) as f32
+        });
+        forces
+    }
+
+    /// By how much every component is too large.
+    fn drift<R: Real>(&self, x: &[R]) -> Vec<f64> {
+        let volumes = self.fans.volumes(&in_double(x));
+        volumes.iter().zip(&self.targets).map(|(volume, target)| volume - target).collect()
+    }
+
+    /// Changes the multipliers after a round that drifted so far.
+    fn adjust(&mut self, drift: &[f64], gradient: &[f64], curvature: f64) {
+        let mut squares = vec![0.0; drift.len()];
+        for (slope, &n) in gradient.iter().zip(self.components.of_vertices()) {
+            squares[n as usize] += slope * slope;
+        }
+        for (n, multiplier) in self.multipliers.iter_mut().enumerate() {
+            if !self.is_held[n] {
+                let guess = TOGETHER * squares[n] / curvature.max(f64::MIN_POSITIVE);
+                multiplier.adjust(drift[n], guess.max(f64::MIN_POSITIVE));
+            }
+        }
+    }
+
+    /// Brings every component back to its volume; returns the gradient of the volumes there.
+    fn restore<R: Real>(&mut self, x: &mut [R]) -> Vec<f64> {
+        let start = in_double(x);
+        let gradient = self.fans.gradient(&start);
+        let level = level(
+            (self.surface, self.components),
+            (&start, &gradient),
+            &self.targets,
+            (self.bounds, ROUGHLY),
+            |x| self.fans.volumes(x),
+        );
+        for (x, level) in x.iter_mut().zip(&level.x) {
+            *x = R::from_f64(*level);
+        }
+        self.is_held = level.is_held;
+        self.fans.gradient(&level.x)
+    }
+}
+
+/// What a component's volume costs.
+#[derive(Debug, Clone, Copy, Default)]
+struct Multiplier {
+    value: f64,
+    /// How much a round's drift grows with it.
+    response: Option<f64>,
+    /// The value of the round before, and the drift that followed.
+    before: Option<(f64, f64)>,
+}
+
+impl Multiplier {
+    /// Takes in the drift of a round; `guess` stands for the response while nothing better is known.
+    fn adjust(&mut self, drift: f64, guess: f64) {
+        let old = self.response.unwrap_or(guess);
+        let found = self.before.map(|(value, before)| (drift - before) / (self.value - value));
+        let response = match found {
+            Some(found) if found > 0.0 => found.clamp(old / MOST_CHANGE, old * MOST_CHANGE),
+            _ => old,
+        };
+        self.response = Some(response);
+        self.before = Some((self.value, drift));
+        self.value -= drift / response;
+    }
+}
+
+/// Moves the vertices of every component along their grid edges, little as a rule, until the mesh of
+/// these triangles encloses what [`VolumeRule::Keep`](crate::optimize::VolumeRule::Keep) asks for,
+/// within the bounds on δ; puts the volumes into the report.
+///
+/// `triangles` name vertices of the surface, turned as those of [`TriMesh`](crate::TriMesh) are;
+/// `optimize` keeps the volumes of no triangles in particular, so that they can be chosen to fit its
+/// result.
+///
+/// # Panics
+/// When `delta` has not one value per vertex.
+pub fn keep_volumes(
+    surface: &Surface,
+    triangles: &[[u32; 3]],
+    settings: &Settings,
+    delta: &mut [f64],
+    report: &mut Report,
+) {
+    assert_eq!(delta.len(), surface.vertex_count(), "one delta per vertex");
+    let components = surface.components();
+    let bounds = [settings.margin, 1.0 - settings.margin];
+    // δ from the position and the position from δ are the same reflection.
+    let start: Vec<f64> = surface.crossings().zip(&*delta).map(|(c, &d)| c.from_low(d)).collect();
+    let turn = if surface.grid().is_mirrored() { -1.0 } else { 1.0 };
+    let targets: Vec<f64> = components.voxels().iter().map(|&voxels| voxels as f64).collect();
+    let gradient = Fans::new(surface, &components).gradient(&start);
+    let level = level(
+        (surface, &components),
+        (&start, &gradient),
+        &targets,
+        (bounds, EXACTLY),
+        |x| {
+            let volumes = of_triangles(surface, &components, triangles, x);
+            volumes.into_iter().map(|volume| turn * volume).collect()
+        },
+    );
+    for ((delta, crossing), x) in delta.iter_mut().zip(surface.crossings()).zip(level.x) {
+        *delta = crossing.from_low(x).clamp(bounds[0], bounds[1]);
+    }
+    let unit = surface.grid().voxel_volume();
+    let multipliers: Vec<f64> = report.volumes.iter().map(|volume| volume.multiplier).collect();
+    let of_component = |n: usize| ComponentVolume {
+        target: targets[n] * unit,
+        reached: level.volumes[n] * unit,
+        multiplier: multipliers.get(n).copied().unwrap_or_default(),
+        is_held: level.is_held[n],
+    };
+    report.volumes = (0..targets.len()).map(of_component).collect();
+}
+
+/// Brings every component to its volume: outwards or inwards, the faster the more of the volume a
+/// vertex has in hand.
+fn level(
+    (surface, components): (&Surface, &Components),
+    (start, gradient): (&[f64], &[f64]),
+    targets: &[f64],
+    (bounds, tolerance): ([f64; 2], f64),
+    volumes: impl Fn(&[f64]) -> Vec<f64>,
+) -> Level {
+    let outwards = surface.crossings().map(|c| if c.inside_low() { 1.0 } else { -1.0 });
+    let speed = |(outwards, slope): (f64, &f64)| outwards * (outwards * slope).max(SHORTEST);
+    let directions: Vec<f64> = outwards.zip(gradient).map(speed).collect();
+    let mut slopes = vec![0.0; components.count()];
+    for ((slope, direction), &n) in gradient.iter().zip(&directions).zip(components.of_vertices()) {
+        slopes[n as usize] += slope * direction;
+    }
+    let of_vertices = components.of_vertices();
+    Path { of_vertices, start, directions: &directions, bounds }
+        .level(targets, &slopes, tolerance, volumes)
+}
+
+/// Lets the last of some rounds end like this, and the others with the next one.
+fn close(rounds: &mut [Round], status: Status) {
+    if let Some((last, others)) = rounds.split_last_mut() {
+        others.iter_mut().for_each(|round| round.status = Status::IterationLimit);
+        last.status = status;
+    }
+}
+
+fn in_double<R: Real>(x: &[R]) -> Vec<f64> {
+    x.iter().map(|x| x.to_f64()).collect()
+}
+
+/// Root mean square.
+fn distance<R: Real>(a: &[R], b: &[R]) -> f64 {
+    let square = |(a, b): (&R, &R)| (a.to_f64() - b.to_f64()).powi(2);
+    (a.iter().zip(b).map(square).sum::<f64>() / a.len().max(1) as f64).sqrt()
+}
