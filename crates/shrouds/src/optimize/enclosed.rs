@@ -5,7 +5,7 @@
 
 use crate::parallel;
 use crate::surface::{Components, Surface};
-use crate::vector::{Vector, add, cross, scale, subtract};
+use crate::vector::{Vector, add, cross, length, scale, subtract};
 
 /// The index coordinates of all vertices.
 pub(super) fn places(surface: &Surface, x: &[f64]) -> Vec<Vector> {
@@ -62,8 +62,8 @@ impl<'a> Fans<'a> {
         by_component(self.components, self.corners.iter().copied().zip(below))
     }
 
-    /// The derivative of the volume of every vertex's component by its position.
-    pub(super) fn gradient(&self, x: &[f64]) -> Vec<f64> {
+    /// How the volumes change from here.
+    pub(super) fn gradient(&self, x: &[f64]) -> Gradient {
         let surface = self.surface;
         let places = places(surface, x);
         let mut pulls = vec![[0.0; 3]; x.len()];
@@ -88,18 +88,34 @@ impl<'a> Fans<'a> {
                 });
             });
         }
-        let mut gradient = vec![0.0; x.len()];
-        let ends = (0..slices).map(|k| surface.slice_vertices(k).end as usize);
-        parallel::pieces(&mut gradient, ends, |k, piece| {
-            let pulls = &pulls[start(k)..];
-            for ((slope, pull), crossing) in piece.iter_mut().zip(pulls).zip(surface.slice_crossings(k))
-            {
-                *slope = pull[crossing.axis()];
-            }
-        });
-        gradient
+        let (mut slopes, mut offsets) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+        let spacing = surface.grid().spacing();
+        let unit = surface.grid().min_spacing();
+        for (v, (pull, crossing)) in pulls.into_iter().zip(surface.crossings()).enumerate() {
+            let axis = crossing.axis();
+            slopes[v] = pull[axis];
+            let normal = std::array::from_fn(|k| pull[k] / spacing[k]);
+            let along = normal[axis].abs() * spacing[axis] / unit;
+            let outwards = if crossing.inside_low() { 1.0 } else { -1.0 };
+            let [least, most] = OFFSETS;
+            // Where the surface has no area it has no normal either: there this is not a number.
+            offsets[v] = outwards * (length(normal) / along).max(least).min(most);
+        }
+        Gradient { slopes, offsets }
     }
 }
+
+/// How the volumes change with the positions.
+pub(super) struct Gradient {
+    /// The derivative of the volume of every vertex's component by its position.
+    pub(super) slopes: Vec<f64>,
+    /// How every vertex moves along its grid edge when the surface moves outwards by the smallest
+    /// spacing everywhere; where the surface runs along the edge, no more than `OFFSETS` allow.
+    pub(super) offsets: Vec<f64>,
+}
+
+/// Between what offsets are kept.
+pub(super) const OFFSETS: [f64; 2] = [0.1, 3.0];
 
 /// What a patch adds to the derivatives of the volume by the places of its vertices. By the place of a
 /// corner that is a third of the areas of the triangles around it, as vectors, and by that of the
@@ -170,7 +186,7 @@ mod tests {
             let fans = Fans::new(&surface, &components);
             let count = surface.vertex_count();
             let x: Vec<f64> = (0..count).map(|v| 0.1 + 0.8 * uniform(7, v as u64)).collect();
-            let gradient = fans.gradient(&x);
+            let gradient = fans.gradient(&x).slopes;
             for v in 0..count {
                 let at = |shift: f64| {
                     let mut x = x.clone();

@@ -6,9 +6,11 @@
 //! steps. After it, its component has drifted from its volume: that says how to change λ (a secant),
 //! and the component is brought back along its grid edges. Where the drift has died down, λ is right.
 
+use std::ops::ControlFlow;
+
 use crate::optimize::conjugate::Effort;
-use crate::optimize::enclosed::{Fans, of_triangles};
-use crate::optimize::level::{Level, Path, SHORTEST};
+use crate::optimize::enclosed::{Fans, Gradient, of_triangles};
+use crate::optimize::level::{Level, Path};
 use crate::optimize::plan::{Passes, STEPS};
 use crate::optimize::problem::Conditions;
 use crate::optimize::real::Real;
@@ -26,9 +28,9 @@ const ROUND: Passes = Passes::Fixed(&[&STEPS as &[Effort], &STEPS]);
 const ROUGHLY: f64 = 1e-5;
 const EXACTLY: f64 = 1e-11;
 /// How much farther vertices move together than each would alone; a first guess.
-const TOGETHER: f64 = 10.0;
+const TOGETHER: f64 = 100.0;
 /// How much a round may change the notion of how a component yields.
-const MOST_CHANGE: f64 = 4.0;
+const MOST_CHANGE: f64 = 2.0;
 
 /// A surface with what its components are to enclose.
 pub(super) struct Keeper<'a> {
@@ -72,13 +74,15 @@ impl<'a> Keeper<'a> {
             Passes::Fixed(_) => (passes, Some(ROUNDS), 0.0),
             Passes::UntilConverged(tolerance) => (ROUND, None, tolerance),
         };
-        self.multipliers.fill(Multiplier::default());
-        let mut all = Relaxed::new(x.len());
+        let mut all = relax(self.surface, conditions, passes, most_steps, x, observer);
+        if all.status() == Status::Cancelled {
+            return all;
+        }
+        close(&mut all.rounds, Status::IterationLimit);
         let mut gradient = self.restore(x);
+        self.probe(conditions, round, x, &gradient, all.stationarity.mean_curvature());
         for n in 0.. {
             let done = all.steps();
-            let forces = self.forces(&gradient);
-            let conditions = Conditions { forces: Some(&forces), ..*conditions };
             let mut observer = |progress: Progress| {
                 let share = progress.share_done.zip(rounds);
                 observer(Progress {
@@ -89,10 +93,16 @@ impl<'a> Keeper<'a> {
                 })
             };
             let before = x.to_vec();
+            let left = most_steps.saturating_sub(done);
             let mut relaxed =
-                relax(self.surface, &conditions, round, most_steps - done, x, &mut observer);
+                self.pull(conditions, round, left, x, &gradient, &mut observer);
             let drift = self.drift(x);
-            self.adjust(&drift, &gradient, relaxed.stationarity.mean_curvature());
+            for (multiplier, drift) in self.multipliers.iter_mut().zip(&drift) {
+                multiplier.adjust(*drift);
+            }
+            if std::env::var("KEEP").is_ok() {
+                eprintln!("{n} drift {:?} {:?} rms {}", &drift[..drift.len().min(2)], &self.multipliers[..drift.len().min(2)], relaxed.stationarity.step_rms());
+            }
             gradient = self.restore(x);
             let has_converged =
                 relaxed.stationarity.step_rms() <= tolerance && distance(&before, x) <= tolerance;
@@ -115,6 +125,64 @@ impl<'a> Keeper<'a> {
         all
     }
 
+    /// Finds out how much a round's drift grows with the multipliers: makes a round twice from the same
+    /// place, without them and with a first guess of them, which it sets then.
+    fn probe<R: Real>(
+        &mut self,
+        conditions: &Conditions,
+        round: Passes,
+        x: &[R],
+        gradient: &[f64],
+        curvature: f64,
+    ) {
+        let mut squares = vec![0.0; self.targets.len()];
+        for (slope, &n) in gradient.iter().zip(self.components.of_vertices()) {
+            squares[n as usize] += slope * slope;
+        }
+        self.multipliers.fill(Multiplier::default());
+        let without = self.drift_of_round(conditions, round, x, gradient);
+        for ((multiplier, drift), squares) in self.multipliers.iter_mut().zip(&without).zip(squares) {
+            multiplier.response = (TOGETHER * squares / curvature).max(f64::MIN_POSITIVE);
+            multiplier.adjust(*drift);
+        }
+        let with = self.drift_of_round(conditions, round, x, gradient);
+        for ((multiplier, without), with) in self.multipliers.iter_mut().zip(without).zip(with) {
+            multiplier.respond(without, with);
+        }
+    }
+
+    /// The drift of a round that is made for nothing else.
+    fn drift_of_round<R: Real>(
+        &self,
+        conditions: &Conditions,
+        round: Passes,
+        x: &[R],
+        gradient: &[f64],
+    ) -> Vec<f64> {
+        let mut x = x.to_vec();
+        self.pull(conditions, round, usize::MAX, &mut x, gradient, &mut |_| ControlFlow::Continue(()));
+        self.drift(&x)
+    }
+
+    /// A round with every vertex pulled by the multipliers.
+    fn pull<R: Real>(
+        &self,
+        conditions: &Conditions,
+        round: Passes,
+        most_steps: usize,
+        x: &mut [R],
+        gradient: &[f64],
+        observer: &mut Observer,
+    ) -> Relaxed {
+        let mut forces = vec![0.0; gradient.len()];
+        let of_vertices = self.components.of_vertices();
+        parallel::fill(&mut forces, |v| {
+            (self.multipliers[of_vertices[v] as usize].value * gradient[v]) as f32
+        });
+        let conditions = Conditions { forces: Some(&forces), ..*conditions };
+        relax(self.surface, &conditions, round, most_steps, x, observer)
+    }
+
     /// What was kept, for the report, with the fans' volumes.
     pub(super) fn volumes<R: Real>(&self, x: &[R]) -> Vec<ComponentVolume> {
         let unit = self.surface.grid().voxel_volume();
@@ -128,34 +196,10 @@ impl<'a> Keeper<'a> {
         (0..reached.len()).map(of_component).collect()
     }
 
-    /// The pull of the multipliers on every vertex.
-    fn forces(&self, gradient: &[f64]) -> Vec<f32> {
-        let mut forces = vec![0.0; gradient.len()];
-        let of_vertices = self.components.of_vertices();
-        parallel::fill(&mut forces, |v| {
-            (self.multipliers[of_vertices[v] as usize].value * gradient[v]) as f32
-        });
-        forces
-    }
-
     /// By how much every component is too large.
     fn drift<R: Real>(&self, x: &[R]) -> Vec<f64> {
         let volumes = self.fans.volumes(&in_double(x));
         volumes.iter().zip(&self.targets).map(|(volume, target)| volume - target).collect()
-    }
-
-    /// Changes the multipliers after a round that drifted so far.
-    fn adjust(&mut self, drift: &[f64], gradient: &[f64], curvature: f64) {
-        let mut squares = vec![0.0; drift.len()];
-        for (slope, &n) in gradient.iter().zip(self.components.of_vertices()) {
-            squares[n as usize] += slope * slope;
-        }
-        for (n, multiplier) in self.multipliers.iter_mut().enumerate() {
-            if !self.is_held[n] {
-                let guess = TOGETHER * squares[n] / curvature.max(f64::MIN_POSITIVE);
-                multiplier.adjust(drift[n], guess.max(f64::MIN_POSITIVE));
-            }
-        }
     }
 
     /// Brings every component back to its volume; returns the gradient of the volumes there.
@@ -163,7 +207,7 @@ impl<'a> Keeper<'a> {
         let start = in_double(x);
         let gradient = self.fans.gradient(&start);
         let level = level(
-            (self.surface, self.components),
+            self.components,
             (&start, &gradient),
             &self.targets,
             (self.bounds, ROUGHLY),
@@ -173,7 +217,7 @@ impl<'a> Keeper<'a> {
             *x = R::from_f64(*level);
         }
         self.is_held = level.is_held;
-        self.fans.gradient(&level.x)
+        self.fans.gradient(&level.x).slopes
     }
 }
 
@@ -182,23 +226,31 @@ impl<'a> Keeper<'a> {
 struct Multiplier {
     value: f64,
     /// How much a round's drift grows with it.
-    response: Option<f64>,
+    response: f64,
     /// The value of the round before, and the drift that followed.
     before: Option<(f64, f64)>,
 }
 
 impl Multiplier {
-    /// Takes in the drift of a round; `guess` stands for the response while nothing better is known.
-    fn adjust(&mut self, drift: f64, guess: f64) {
-        let old = self.response.unwrap_or(guess);
-        let found = self.before.map(|(value, before)| (drift - before) / (self.value - value));
-        let response = match found {
-            Some(found) if found > 0.0 => found.clamp(old / MOST_CHANGE, old * MOST_CHANGE),
-            _ => old,
-        };
-        self.response = Some(response);
+    /// Takes in the drift of a round.
+    fn adjust(&mut self, drift: f64) {
+        if let Some((value, before)) = self.before {
+            let found = (drift - before) / (self.value - value);
+            if found > 0.0 && found.is_finite() {
+                self.response = found.clamp(self.response / MOST_CHANGE, self.response * MOST_CHANGE);
+            }
+        }
         self.before = Some((self.value, drift));
-        self.value -= drift / response;
+        self.value -= drift / self.response;
+    }
+
+    /// Takes in the drifts of two rounds from the same place, without a multiplier and with this one.
+    fn respond(&mut self, without: f64, with: f64) {
+        let found = (with - without) / self.value;
+        if found > 0.0 && found.is_finite() {
+            self.response = found;
+        }
+        *self = Self { value: -without / self.response, response: self.response, before: None };
     }
 }
 
@@ -228,7 +280,7 @@ pub fn keep_volumes(
     let targets: Vec<f64> = components.voxels().iter().map(|&voxels| voxels as f64).collect();
     let gradient = Fans::new(surface, &components).gradient(&start);
     let level = level(
-        (surface, &components),
+        &components,
         (&start, &gradient),
         &targets,
         (bounds, EXACTLY),
@@ -251,24 +303,20 @@ pub fn keep_volumes(
     report.volumes = (0..targets.len()).map(of_component).collect();
 }
 
-/// Brings every component to its volume: outwards or inwards, the faster the more of the volume a
-/// vertex has in hand.
+/// Brings every component to its volume, as evenly outwards or inwards as the grid edges allow.
 fn level(
-    (surface, components): (&Surface, &Components),
-    (start, gradient): (&[f64], &[f64]),
+    components: &Components,
+    (start, gradient): (&[f64], &Gradient),
     targets: &[f64],
     (bounds, tolerance): ([f64; 2], f64),
     volumes: impl Fn(&[f64]) -> Vec<f64>,
 ) -> Level {
-    let outwards = surface.crossings().map(|c| if c.inside_low() { 1.0 } else { -1.0 });
-    let speed = |(outwards, slope): (f64, &f64)| outwards * (outwards * slope).max(SHORTEST);
-    let directions: Vec<f64> = outwards.zip(gradient).map(speed).collect();
-    let mut slopes = vec![0.0; components.count()];
-    for ((slope, direction), &n) in gradient.iter().zip(&directions).zip(components.of_vertices()) {
-        slopes[n as usize] += slope * direction;
-    }
     let of_vertices = components.of_vertices();
-    Path { of_vertices, start, directions: &directions, bounds }
+    let mut slopes = vec![0.0; components.count()];
+    for ((slope, offset), &n) in gradient.slopes.iter().zip(&gradient.offsets).zip(of_vertices) {
+        slopes[n as usize] += slope * offset;
+    }
+    Path { of_vertices, start, directions: &gradient.offsets, bounds }
         .level(targets, &slopes, tolerance, volumes)
 }
 

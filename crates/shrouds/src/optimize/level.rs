@@ -1,20 +1,19 @@
 //! Moving every component along one path until it encloses what it should.
 
+use crate::optimize::enclosed::OFFSETS;
 use crate::parallel;
 
 /// Where the vertices of every component are after `t` times `directions`, cut at the bounds.
 pub(super) struct Path<'a> {
     pub(super) of_vertices: &'a [u32],
     pub(super) start: &'a [f64],
-    /// None is shorter than [`SHORTEST`].
+    /// None is shorter than the least of [`OFFSETS`].
     pub(super) directions: &'a [f64],
     pub(super) bounds: [f64; 2],
 }
 
-/// The least speed of a vertex.
-pub(super) const SHORTEST: f64 = 0.1;
 /// All vertices are at a bound then.
-const FAR: f64 = 1.0 / SHORTEST;
+const FAR: f64 = 1.0 / OFFSETS[0];
 /// More than enough to halve an interval down to rounding.
 const MOST_TRIALS: usize = 100;
 
