@@ -29,8 +29,9 @@ const ROUGHLY: f64 = 1e-5;
 const EXACTLY: f64 = 1e-11;
 /// How much farther vertices move together than each would alone; a first guess.
 const TOGETHER: f64 = 100.0;
-/// How much a round may change the notion of how a component yields.
-const MOST_CHANGE: f64 = 2.0;
+/// How often in a row a multiplier may turn out too large, or too small, before what was found about
+/// the other side is forgotten.
+const MOST_REPEATED: usize = 3;
 
 /// A surface with what its components are to enclose.
 pub(super) struct Keeper<'a> {
@@ -41,6 +42,8 @@ pub(super) struct Keeper<'a> {
     bounds: [f64; 2],
     multipliers: Vec<Multiplier>,
     is_held: Vec<bool>,
+    /// Whether there was a stage before.
+    is_kept: bool,
 }
 
 impl<'a> Keeper<'a> {
@@ -58,6 +61,7 @@ impl<'a> Keeper<'a> {
             bounds,
             multipliers: vec![Multiplier::default(); count],
             is_held: vec![false; count],
+            is_kept: false,
         }
     }
 
@@ -74,13 +78,17 @@ impl<'a> Keeper<'a> {
             Passes::Fixed(_) => (passes, Some(ROUNDS), 0.0),
             Passes::UntilConverged(tolerance) => (ROUND, None, tolerance),
         };
-        let mut all = relax(self.surface, conditions, passes, most_steps, x, observer);
-        if all.status() == Status::Cancelled {
-            return all;
+        let mut all = Relaxed::new(x.len());
+        // What another energy prepared has its volumes already.
+        if !std::mem::replace(&mut self.is_kept, true) {
+            all = relax(self.surface, conditions, passes, most_steps, x, observer);
+            if all.status() == Status::Cancelled {
+                return all;
+            }
+            close(&mut all.rounds, Status::IterationLimit);
         }
-        close(&mut all.rounds, Status::IterationLimit);
         let mut gradient = self.restore(x);
-        self.probe(conditions, round, x, &gradient, all.stationarity.mean_curvature());
+        self.probe(conditions, round, x, &gradient);
         for n in 0.. {
             let done = all.steps();
             let mut observer = |progress: Progress| {
@@ -97,8 +105,10 @@ impl<'a> Keeper<'a> {
             let mut relaxed =
                 self.pull(conditions, round, left, x, &gradient, &mut observer);
             let drift = self.drift(x);
-            for (multiplier, drift) in self.multipliers.iter_mut().zip(&drift) {
-                multiplier.adjust(*drift);
+            for (n, multiplier) in self.multipliers.iter_mut().enumerate() {
+                if !self.is_held[n] {
+                    multiplier.adjust(drift[n]);
+                }
             }
             if std::env::var("KEEP").is_ok() {
                 eprintln!("{n} drift {:?} {:?} rms {}", &drift[..drift.len().min(2)], &self.multipliers[..drift.len().min(2)], relaxed.stationarity.step_rms());
@@ -133,35 +143,34 @@ impl<'a> Keeper<'a> {
         round: Passes,
         x: &[R],
         gradient: &[f64],
-        curvature: f64,
     ) {
         let mut squares = vec![0.0; self.targets.len()];
         for (slope, &n) in gradient.iter().zip(self.components.of_vertices()) {
             squares[n as usize] += slope * slope;
         }
         self.multipliers.fill(Multiplier::default());
-        let without = self.drift_of_round(conditions, round, x, gradient);
+        let (without, curvature) = self.drift_of_round(conditions, round, x, gradient);
         for ((multiplier, drift), squares) in self.multipliers.iter_mut().zip(&without).zip(squares) {
             multiplier.response = (TOGETHER * squares / curvature).max(f64::MIN_POSITIVE);
-            multiplier.adjust(*drift);
+            multiplier.value = -drift / multiplier.response;
         }
-        let with = self.drift_of_round(conditions, round, x, gradient);
+        let (with, _) = self.drift_of_round(conditions, round, x, gradient);
         for ((multiplier, without), with) in self.multipliers.iter_mut().zip(without).zip(with) {
             multiplier.respond(without, with);
         }
     }
 
-    /// The drift of a round that is made for nothing else.
+    /// The drift of a round that is made for nothing else, and the mean curvature after it.
     fn drift_of_round<R: Real>(
         &self,
         conditions: &Conditions,
         round: Passes,
         x: &[R],
         gradient: &[f64],
-    ) -> Vec<f64> {
-        let mut x = x.to_vec();
-        self.pull(conditions, round, usize::MAX, &mut x, gradient, &mut |_| ControlFlow::Continue(()));
-        self.drift(&x)
+    ) -> (Vec<f64>, f64) {
+        let (mut x, go_on) = (x.to_vec(), &mut |_| ControlFlow::Continue(()));
+        let relaxed = self.pull(conditions, round, usize::MAX, &mut x, gradient, go_on);
+        (self.drift(&x), relaxed.stationarity.mean_curvature().max(f64::MIN_POSITIVE))
     }
 
     /// A round with every vertex pulled by the multipliers.
@@ -227,30 +236,56 @@ struct Multiplier {
     value: f64,
     /// How much a round's drift grows with it.
     response: f64,
-    /// The value of the round before, and the drift that followed.
-    before: Option<(f64, f64)>,
+    /// The last value that was too small and the last that was too large.
+    ends: [Option<Trial>; 2],
+    /// Which of the two was the latest, and how often in a row.
+    latest: (usize, usize),
+}
+
+/// A value of a multiplier and the drift that followed.
+#[derive(Debug, Clone, Copy)]
+struct Trial {
+    value: f64,
+    drift: f64,
 }
 
 impl Multiplier {
-    /// Takes in the drift of a round.
+    /// Takes in the drift of a round: false position (the Illinois rule) where the value is known to lie
+    /// between two others, else what the response says. The surface changes meanwhile, so that what
+    /// was found before may not hold any more.
     fn adjust(&mut self, drift: f64) {
-        if let Some((value, before)) = self.before {
-            let found = (drift - before) / (self.value - value);
+        let side = usize::from(drift > 0.0);
+        let repeated = if self.latest.0 == side { self.latest.1 + 1 } else { 1 };
+        self.latest = (side, repeated);
+        if let (true, Some(other)) = (repeated > 1, &mut self.ends[1 - side]) {
+            other.drift *= 0.5;
+        }
+        if let Some(before) = self.ends[side] {
+            let found = (drift - before.drift) / (self.value - before.value);
             if found > 0.0 && found.is_finite() {
-                self.response = found.clamp(self.response / MOST_CHANGE, self.response * MOST_CHANGE);
+                let [least, most] = [0.5, 8.0].map(|factor| factor * self.response);
+                self.response = found.clamp(least, most);
             }
         }
-        self.before = Some((self.value, drift));
-        self.value -= drift / self.response;
+        self.ends[side] = Some(Trial { value: self.value, drift });
+        self.value = match self.ends {
+            [Some(low), Some(high)] if low.value < high.value && repeated <= MOST_REPEATED => {
+                let slope = (high.drift - low.drift) / (high.value - low.value);
+                self.response = slope;
+                low.value - low.drift / slope
+            }
+            _ => {
+                self.ends[1 - side] = None;
+                self.value - drift / self.response
+            }
+        };
     }
 
     /// Takes in the drifts of two rounds from the same place, without a multiplier and with this one.
     fn respond(&mut self, without: f64, with: f64) {
         let found = (with - without) / self.value;
-        if found > 0.0 && found.is_finite() {
-            self.response = found;
-        }
-        *self = Self { value: -without / self.response, response: self.response, before: None };
+        let response = if found > 0.0 && found.is_finite() { found } else { self.response };
+        *self = Self { value: -without / response, response, ..Self::default() };
     }
 }
 
