@@ -14,6 +14,7 @@ use crate::energies;
 
 pub(crate) use names::{
     Axes, Border, Faces, FrameChoice, Preset, Solver, SurfaceKind, TriangleRule,
+    VolumeRule,
 };
 pub(crate) use polygon::{PolygonArgs, Slice};
 pub(crate) use shroud::{ShroudArgs, SolveArgs};

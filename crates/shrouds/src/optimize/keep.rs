@@ -42,6 +42,8 @@ pub(super) struct Keeper<'a> {
     bounds: [f64; 2],
     multipliers: Vec<Multiplier>,
     is_held: Vec<bool>,
+    /// How the vertices of every component yield to a multiplier; empty while that is not known.
+    yields: Vec<f64>,
     /// Whether there was a stage before.
     is_kept: bool,
 }
@@ -61,6 +63,7 @@ impl<'a> Keeper<'a> {
             bounds,
             multipliers: vec![Multiplier::default(); count],
             is_held: vec![false; count],
+            yields: Vec::new(),
             is_kept: false,
         }
     }
@@ -87,6 +90,7 @@ impl<'a> Keeper<'a> {
             }
             close(&mut all.rounds, Status::IterationLimit);
         }
+        self.yields.clear();
         let mut gradient = self.restore(x);
         self.probe(conditions, round, x, &gradient);
         for n in 0.. {
@@ -109,9 +113,6 @@ impl<'a> Keeper<'a> {
                 if !self.is_held[n] {
                     multiplier.adjust(drift[n]);
                 }
-            }
-            if std::env::var("KEEP").is_ok() {
-                eprintln!("{n} drift {:?} {:?} rms {}", &drift[..drift.len().min(2)], &self.multipliers[..drift.len().min(2)], relaxed.stationarity.step_rms());
             }
             gradient = self.restore(x);
             let has_converged =
@@ -149,28 +150,43 @@ impl<'a> Keeper<'a> {
             squares[n as usize] += slope * slope;
         }
         self.multipliers.fill(Multiplier::default());
-        let (without, curvature) = self.drift_of_round(conditions, round, x, gradient);
+        let (there, curvature) = self.round(conditions, round, x, gradient);
+        let without = self.drift(&there);
         for ((multiplier, drift), squares) in self.multipliers.iter_mut().zip(&without).zip(squares) {
             multiplier.response = (TOGETHER * squares / curvature).max(f64::MIN_POSITIVE);
             multiplier.value = -drift / multiplier.response;
         }
-        let (with, _) = self.drift_of_round(conditions, round, x, gradient);
+        let (pulled, _) = self.round(conditions, round, x, gradient);
+        let with = self.drift(&pulled);
         for ((multiplier, without), with) in self.multipliers.iter_mut().zip(without).zip(with) {
             multiplier.respond(without, with);
         }
+        self.yields = self.normalised(pulled.iter().zip(&there).map(|(a, b)| a.to_f64() - b.to_f64()));
     }
 
-    /// The drift of a round that is made for nothing else, and the mean curvature after it.
-    fn drift_of_round<R: Real>(
+    /// The moves of the vertices, for every component so that the longest one is 1.
+    fn normalised(&self, moves: impl Iterator<Item = f64>) -> Vec<f64> {
+        let mut moves: Vec<f64> = moves.collect();
+        let of_vertices = self.components.of_vertices();
+        let mut longest = vec![f64::MIN_POSITIVE; self.targets.len()];
+        for (step, &n) in moves.iter().zip(of_vertices) {
+            longest[n as usize] = step.abs().max(longest[n as usize]);
+        }
+        parallel::update(&mut moves, |v, step| *step /= longest[of_vertices[v] as usize]);
+        moves
+    }
+
+    /// Where a round would lead, and the mean curvature there.
+    fn round<R: Real>(
         &self,
         conditions: &Conditions,
         round: Passes,
         x: &[R],
         gradient: &[f64],
-    ) -> (Vec<f64>, f64) {
+    ) -> (Vec<R>, f64) {
         let (mut x, go_on) = (x.to_vec(), &mut |_| ControlFlow::Continue(()));
         let relaxed = self.pull(conditions, round, usize::MAX, &mut x, gradient, go_on);
-        (self.drift(&x), relaxed.stationarity.mean_curvature().max(f64::MIN_POSITIVE))
+        (x, relaxed.stationarity.mean_curvature().max(f64::MIN_POSITIVE))
     }
 
     /// A round with every vertex pulled by the multipliers.
@@ -211,22 +227,29 @@ impl<'a> Keeper<'a> {
         volumes.iter().zip(&self.targets).map(|(volume, target)| volume - target).collect()
     }
 
-    /// Brings every component back to its volume; returns the gradient of the volumes there.
+    /// Brings every component back to its volume, along the way it yields as far as that leads there;
+    /// returns the gradient of the volumes there.
     fn restore<R: Real>(&mut self, x: &mut [R]) -> Vec<f64> {
         let start = in_double(x);
-        let gradient = self.fans.gradient(&start);
-        let level = level(
-            self.components,
-            (&start, &gradient),
-            &self.targets,
-            (self.bounds, ROUGHLY),
-            |x| self.fans.volumes(x),
-        );
-        for (x, level) in x.iter_mut().zip(&level.x) {
-            *x = R::from_f64(*level);
+        let mut gradient = self.fans.gradient(&start);
+        let mut found = start;
+        if !self.yields.is_empty() {
+            let offsets = std::mem::replace(&mut gradient.offsets, self.yields.clone());
+            found = self.level(&found, &gradient).x;
+            gradient.offsets = offsets;
         }
-        self.is_held = level.is_held;
-        self.fans.gradient(&level.x).slopes
+        let Level { x: found, is_held, .. } = self.level(&found, &gradient);
+        self.is_held = is_held;
+        for (x, found) in x.iter_mut().zip(&found) {
+            *x = R::from_f64(*found);
+        }
+        self.fans.gradient(&found).slopes
+    }
+
+    fn level(&self, start: &[f64], gradient: &Gradient) -> Level {
+        level(self.components, (start, gradient), &self.targets, (self.bounds, ROUGHLY), |x| {
+            self.fans.volumes(x)
+        })
     }
 }
 

@@ -7,7 +7,7 @@ use crate::parallel;
 pub(super) struct Path<'a> {
     pub(super) of_vertices: &'a [u32],
     pub(super) start: &'a [f64],
-    /// None is shorter than the least of [`OFFSETS`].
+    /// Where none is shorter than the least of [`OFFSETS`] the path ends at the bounds.
     pub(super) directions: &'a [f64],
     pub(super) bounds: [f64; 2],
 }

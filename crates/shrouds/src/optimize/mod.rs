@@ -52,7 +52,8 @@ pub struct Optimum {
     pub delta: Vec<f64>,
     /// The slopes of both planar curves of every vertex over its grid edge: how far the curve's
     /// tangent runs along the edge for each unit across it, in the directions of growing index and
-    /// in world lengths. The normals follow from them.
+    /// in world lengths. The normals follow from them. Where volumes are kept, those before
+    /// the last correction of the volumes.
     pub slopes: Vec<[f32; 2]>,
     /// How the optimisation went.
     pub report: Report,
@@ -63,7 +64,8 @@ pub struct Optimum {
 /// The result has the same bits on any number of threads.
 ///
 /// # Errors
-/// [`Error::Setting`] when a setting is outside its range.
+/// [`Error::Setting`] when a setting is outside its range, or volumes are to be kept by the sweeps or
+/// for an open border.
 pub fn optimize(
     surface: &Surface,
     settings: &Settings,

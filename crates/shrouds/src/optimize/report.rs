@@ -58,7 +58,8 @@ pub struct Report {
     /// Iterations (Gauss–Newton steps or sweeps) over all rounds.
     pub iterations: usize,
     /// Energy at the start of the first round that is not preparation, and of the result, each with
-    /// the weights and barrier in force.
+    /// the weights and barrier in force. Where volumes are kept, the energy that counts is less the
+    /// work of the multipliers since the last weights, which dies down.
     pub energy: [f64; 2],
     /// Euclidean norm of the projected gradient of the energy with respect to the positions: zero
     /// components where a bound holds the vertex.

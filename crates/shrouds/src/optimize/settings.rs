@@ -73,7 +73,7 @@ pub struct Settings {
     /// presets do not look at it. `Sweeps`: when ‖δᵏ − δᵏ⁺¹‖/‖δᵏ⁺¹‖ falls to it, the paper's rule.
     /// Range (0, 1); default 5e-4 for `Newton`, 1e-6 for `Sweeps`.
     pub tolerance: Option<f64>,
-    /// Hard limit on Gauss–Newton steps or sweeps. Default 100 or 1000.
+    /// Hard limit on Gauss–Newton steps or sweeps. Default 100, or 400 where volumes are kept, or 1000.
     pub max_iterations: Option<usize>,
 }
 
@@ -116,6 +116,7 @@ impl Settings {
     /// The iteration limit in force.
     pub fn max_iterations(&self) -> usize {
         self.max_iterations.unwrap_or(match self.solver {
+            Solver::Newton if self.volume == VolumeRule::Keep => 400,
             Solver::Newton => 100,
             Solver::Sweeps => 1000,
         })
