@@ -3,9 +3,7 @@
 use std::time::Instant;
 
 use crate::error::Error;
-use crate::mesh::{
-    MeshKind, TriMesh, Triangles, network_normals, place_vertices, slope_normals,
-};
+use crate::mesh::{MeshKind, TriMesh, Triangles, network_normals, place_vertices, slope_normals};
 use crate::network::Network;
 use crate::optimize::{self, Observer, Optimum, Report, VolumeRule, keep_volumes, optimize};
 use crate::surface::Surface;
@@ -93,7 +91,8 @@ pub fn shroud_observed(
         // Their memory is wanted for the triangles.
         drop(slopes);
         let vertices = place_vertices(&surface, &delta);
-        let mut mesh = TriMesh::span(&surface, vertices, normals, settings.mesh, settings.triangles);
+        let mut mesh =
+            TriMesh::span(&surface, vertices, normals, settings.mesh, settings.triangles);
         if keeps_volumes {
             keep_volumes(&surface, &mesh.triangles, &settings.optimize, &mut delta, &mut report);
             mesh.vertices = place_vertices(&surface, &delta);

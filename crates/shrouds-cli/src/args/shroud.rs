@@ -5,7 +5,9 @@ use clap::builder::PossibleValuesParser;
 use shrouds::energy::Parameter;
 
 use crate::args::values::{self, Start};
-use crate::args::{Border, Faces, FrameChoice, Preset, Solver, SurfaceKind, TriangleRule, VolumeRule};
+use crate::args::{
+    Border, Faces, FrameChoice, Preset, Solver, SurfaceKind, TriangleRule, VolumeRule,
+};
 
 #[derive(Args, Clone)]
 #[command(next_help_heading = "Surface")]

@@ -11,7 +11,9 @@ use shrouds::{Grid, Occupancy};
 use shrouds_io::{Line, MeshOptions, Precision, volume_format, write_atomically, write_lines};
 use shrouds_view::Plan;
 
-use crate::args::{FrameChoice, PolygonArgs, Preset, Slice, SolveArgs, SurfaceKind, TriangleRule, VolumeRule};
+use crate::args::{
+    FrameChoice, PolygonArgs, Preset, Slice, SolveArgs, SurfaceKind, TriangleRule, VolumeRule,
+};
 use crate::console::{Console, grouped, number, plural, print_json};
 use crate::failure::Failure;
 use crate::frame;

@@ -28,7 +28,12 @@ pub(super) struct Barrier {
 
 impl Barrier {
     pub(super) fn none(vertices: usize) -> Self {
-        Self { strengths: vec![0.0; vertices], is_set: false, forces: Vec::new(), anchors: Vec::new() }
+        Self {
+            strengths: vec![0.0; vertices],
+            is_set: false,
+            forces: Vec::new(),
+            anchors: Vec::new(),
+        }
     }
 
     /// Sets the strengths for an energy that asks for a barrier of strength `shared` (see

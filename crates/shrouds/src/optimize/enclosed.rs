@@ -179,7 +179,8 @@ mod tests {
 
     #[test]
     fn the_gradient_is_that_of_differences() {
-        let volume = phantom::noise(&crate::Grid::new([5, 6, 4], [1.0; 3]).unwrap(), 0.5, 3).unwrap();
+        let volume =
+            phantom::noise(&crate::Grid::new([5, 6, 4], [1.0; 3]).unwrap(), 0.5, 3).unwrap();
         for rule in [FaceRule::Separate, FaceRule::Join] {
             let surface = Surface::extract(&volume, rule, Border::Closed).unwrap();
             let components = surface.components();

@@ -49,11 +49,7 @@ pub(super) struct Keeper<'a> {
 }
 
 impl<'a> Keeper<'a> {
-    pub(super) fn new(
-        surface: &'a Surface,
-        components: &'a Components,
-        bounds: [f64; 2],
-    ) -> Self {
+    pub(super) fn new(surface: &'a Surface, components: &'a Components, bounds: [f64; 2]) -> Self {
         let count = components.count();
         Self {
             surface,
@@ -106,8 +102,7 @@ impl<'a> Keeper<'a> {
             };
             let before = x.to_vec();
             let left = most_steps.saturating_sub(done);
-            let mut relaxed =
-                self.pull(conditions, round, left, x, &gradient, &mut observer);
+            let mut relaxed = self.pull(conditions, round, left, x, &gradient, &mut observer);
             let drift = self.drift(x);
             for (n, multiplier) in self.multipliers.iter_mut().enumerate() {
                 if !self.is_held[n] {
@@ -152,7 +147,8 @@ impl<'a> Keeper<'a> {
         self.multipliers.fill(Multiplier::default());
         let (there, curvature) = self.round(conditions, round, x, gradient);
         let without = self.drift(&there);
-        for ((multiplier, drift), squares) in self.multipliers.iter_mut().zip(&without).zip(squares) {
+        for ((multiplier, drift), squares) in self.multipliers.iter_mut().zip(&without).zip(squares)
+        {
             multiplier.response = (TOGETHER * squares / curvature).max(f64::MIN_POSITIVE);
             multiplier.value = -drift / multiplier.response;
         }
@@ -161,7 +157,8 @@ impl<'a> Keeper<'a> {
         for ((multiplier, without), with) in self.multipliers.iter_mut().zip(without).zip(with) {
             multiplier.respond(without, with);
         }
-        self.yields = self.normalised(pulled.iter().zip(&there).map(|(a, b)| a.to_f64() - b.to_f64()));
+        self.yields =
+            self.normalised(pulled.iter().zip(&there).map(|(a, b)| a.to_f64() - b.to_f64()));
     }
 
     /// The moves of the vertices, for every component so that the longest one is 1.
@@ -337,16 +334,10 @@ pub fn keep_volumes(
     let turn = if surface.grid().is_mirrored() { -1.0 } else { 1.0 };
     let targets: Vec<f64> = components.voxels().iter().map(|&voxels| voxels as f64).collect();
     let gradient = Fans::new(surface, &components).gradient(&start);
-    let level = level(
-        &components,
-        (&start, &gradient),
-        &targets,
-        (bounds, EXACTLY),
-        |x| {
-            let volumes = of_triangles(surface, &components, triangles, x);
-            volumes.into_iter().map(|volume| turn * volume).collect()
-        },
-    );
+    let level = level(&components, (&start, &gradient), &targets, (bounds, EXACTLY), |x| {
+        let volumes = of_triangles(surface, &components, triangles, x);
+        volumes.into_iter().map(|volume| turn * volume).collect()
+    });
     for ((delta, crossing), x) in delta.iter_mut().zip(surface.crossings()).zip(level.x) {
         *delta = crossing.from_low(x).clamp(bounds[0], bounds[1]);
     }
