@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::Serialize;
 use shrouds::check::CheckReport;
-use shrouds::optimize::{self, Round};
+use shrouds::optimize::{self, ComponentVolume, Round};
 
 use crate::args::Preset;
 use crate::console::plural;
@@ -67,6 +67,22 @@ pub(crate) struct Solver {
     energy_gap: Option<f64>,
     pub(crate) at_bound: f64,
     pub(crate) rounds: Vec<RoundReport>,
+    /// Those of the surface's components, where they are kept.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) volumes: Vec<VolumeReport>,
+}
+
+/// The volume of a connected component in cubic world units, negative for a cavity.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct VolumeReport {
+    /// Voxels times the volume of one.
+    pub(crate) target: f64,
+    pub(crate) reached: f64,
+    pub(crate) relative_error: f64,
+    /// How fast the least energy grows with the target.
+    pub(crate) multiplier: f64,
+    /// Whether the bounds keep it from its target.
+    pub(crate) held: bool,
 }
 
 #[derive(Debug, Clone, Copy, Serialize)]
@@ -227,6 +243,34 @@ impl Solver {
             energy_gap: report.energy_gap,
             at_bound: report.at_bound,
             rounds: report.rounds.iter().map(RoundReport::new).collect(),
+            volumes: report.volumes.iter().map(VolumeReport::new).collect(),
+        }
+    }
+
+    /// In words, how well volumes were kept, if they were to be.
+    pub(crate) fn kept(&self) -> Option<String> {
+        let components = plural(self.volumes.len(), "component");
+        let held = self.volumes.iter().filter(|volume| volume.held).count();
+        let free = self.volumes.iter().filter(|volume| !volume.held);
+        let error = free.map(|volume| volume.relative_error).fold(0.0, f64::max);
+        match (self.volumes.len(), held) {
+            (0, _) => None,
+            (_, 0) => Some(format!("volume of {components} kept to {error:.0e}")),
+            _ => Some(format!(
+                "volume of {components} kept to {error:.0e}, but for {held} held by the bounds"
+            )),
+        }
+    }
+}
+
+impl VolumeReport {
+    fn new(volume: &ComponentVolume) -> Self {
+        Self {
+            target: volume.target,
+            reached: volume.reached,
+            relative_error: volume.relative_error(),
+            multiplier: volume.multiplier,
+            held: volume.is_held,
         }
     }
 }

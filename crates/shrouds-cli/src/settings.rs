@@ -8,7 +8,7 @@ use shrouds_io::{Progress, VolumeOptions};
 
 use crate::args::{
     Axes, Border, Faces, FrameChoice, Preset, ShroudArgs, SolveArgs, Solver, Start, SurfaceKind,
-    TriangleRule, VolumeArgs,
+    TriangleRule, VolumeArgs, VolumeRule,
 };
 use crate::console::Console;
 use crate::energies;
@@ -30,6 +30,7 @@ pub(crate) struct SettingsReport {
     max_iterations: usize,
     start: Start,
     margin: f64,
+    volume: VolumeRule,
     faces: Faces,
     border: Border,
     surface: SurfaceKind,
@@ -80,6 +81,7 @@ impl Job {
             let message = "--surface dual needs --border closed; leave one of them out";
             return Err(Failure::Call(message.into()));
         }
+        check_volume_rule(args)?;
         let preset = preset(args, strict)?;
         let settings = Settings {
             faces: face_rule(args.faces),
@@ -103,6 +105,7 @@ impl Job {
             max_iterations: settings.optimize.max_iterations(),
             start: args.start,
             margin: settings.optimize.margin,
+            volume: args.volume,
             faces: args.faces,
             border: args.border,
             surface: args.surface,
@@ -125,6 +128,18 @@ impl Job {
             ));
         }
     }
+}
+
+/// Refuses what does not go together with keeping volumes.
+fn check_volume_rule(args: &SolveArgs) -> Result<(), Failure> {
+    let needed = match args {
+        SolveArgs { volume: VolumeRule::Free, .. } => return Ok(()),
+        SolveArgs { solver: Solver::Sweeps, .. } => "--solver newton",
+        SolveArgs { border: Border::Open, .. } => "--border closed",
+        SolveArgs { surface: SurfaceKind::Dual, .. } => "--surface primal",
+        _ => return Ok(()),
+    };
+    Err(Failure::Call(format!("--volume keep needs {needed}; change one of them")))
 }
 
 /// The preset; the sweeps have none.
@@ -169,6 +184,10 @@ fn optimize_settings(
             Start::Inside => optimize::Start::Inside,
             Start::Outside => optimize::Start::Outside,
             Start::Random(seed) => optimize::Start::Random(seed),
+        },
+        volume: match args.volume {
+            VolumeRule::Free => optimize::VolumeRule::Free,
+            VolumeRule::Keep => optimize::VolumeRule::Keep,
         },
         tolerance: args.tolerance,
         max_iterations: args.max_iterations.map(|n| n as usize),

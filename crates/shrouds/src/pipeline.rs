@@ -3,8 +3,9 @@
 use std::time::Instant;
 
 use crate::error::Error;
-use crate::mesh::{MeshKind, TriMesh, Triangles, place_vertices, slope_normals};
-use crate::optimize::{self, Observer, Optimum, Report, optimize};
+use crate::mesh::{MeshKind, TriMesh, Triangles, network_normals, place_vertices, slope_normals};
+use crate::network::Network;
+use crate::optimize::{self, Observer, Optimum, Report, VolumeRule, keep_volumes, optimize};
 use crate::surface::Surface;
 use crate::volume::{Border, FaceRule, Occupancy};
 
@@ -56,7 +57,7 @@ pub struct Times {
 ///
 /// # Errors
 /// Those of [`Surface::extract`] and [`optimize()`]; [`Error::Setting`] when a dual mesh is asked of an
-/// open border.
+/// open border or to keep volumes.
 pub fn shroud(volume: &Occupancy, settings: &Settings) -> Result<Shroud, Error> {
     shroud_observed(volume, settings, &mut |_| std::ops::ControlFlow::Continue(()))
 }
@@ -75,17 +76,29 @@ pub fn shroud_observed(
         let value = "open".to_string();
         return Err(Error::Setting { name: "border", value, range: "closed for a dual mesh" });
     }
+    let keeps_volumes = settings.optimize.volume == VolumeRule::Keep;
+    if settings.mesh == MeshKind::Dual && keeps_volumes {
+        let value = "keep".to_string();
+        return Err(Error::Setting { name: "volume", value, range: "free for a dual mesh" });
+    }
     let mut times = Times::default();
     let surface =
         timed(&mut times.surface, || Surface::extract(volume, settings.faces, settings.border))?;
-    let Optimum { delta, slopes, report } =
+    let Optimum { mut delta, slopes, mut report } =
         timed(&mut times.optimize, || optimize(&surface, &settings.optimize, observer))?;
     let mesh = timed(&mut times.mesh, || {
         let normals = slope_normals(&surface, &slopes);
         // Their memory is wanted for the triangles.
         drop(slopes);
         let vertices = place_vertices(&surface, &delta);
-        TriMesh::span(&surface, vertices, normals, settings.mesh, settings.triangles)
+        let mut mesh =
+            TriMesh::span(&surface, vertices, normals, settings.mesh, settings.triangles);
+        if keeps_volumes {
+            keep_volumes(&surface, &mesh.triangles, &settings.optimize, &mut delta, &mut report);
+            mesh.vertices = place_vertices(&surface, &delta);
+            mesh.normals = network_normals(&surface, &Network::trace(&surface), &mesh.vertices);
+        }
+        mesh
     });
     Ok(Shroud { surface, delta, mesh, report, times })
 }

@@ -13,7 +13,7 @@ use clap::{Args, Parser, Subcommand};
 use crate::energies;
 
 pub(crate) use names::{
-    Axes, Border, Faces, FrameChoice, Preset, Solver, SurfaceKind, TriangleRule,
+    Axes, Border, Faces, FrameChoice, Preset, Solver, SurfaceKind, TriangleRule, VolumeRule,
 };
 pub(crate) use polygon::{PolygonArgs, Slice};
 pub(crate) use shroud::{ShroudArgs, SolveArgs};

@@ -76,6 +76,17 @@ pub(crate) enum TriangleRule {
     Fixed,
 }
 
+/// Whether volumes are left to the energy.
+#[derive(ValueEnum, Serialize, Debug, Clone, Copy, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum VolumeRule {
+    /// They are
+    Free,
+    /// Every connected component of the surface encloses as many voxel volumes as voxels, where the
+    /// bounds allow it. Needs --solver newton, --border closed and --surface primal
+    Keep,
+}
+
 /// Coordinates of a mesh.
 #[derive(ValueEnum, Serialize, Debug, Clone, Copy, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]

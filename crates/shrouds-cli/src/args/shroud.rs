@@ -5,7 +5,9 @@ use clap::builder::PossibleValuesParser;
 use shrouds::energy::Parameter;
 
 use crate::args::values::{self, Start};
-use crate::args::{Border, Faces, FrameChoice, Preset, Solver, SurfaceKind, TriangleRule};
+use crate::args::{
+    Border, Faces, FrameChoice, Preset, Solver, SurfaceKind, TriangleRule, VolumeRule,
+};
 
 #[derive(Args, Clone)]
 #[command(next_help_heading = "Surface")]
@@ -49,13 +51,16 @@ pub(crate) struct SolveArgs {
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = values::fraction)]
     pub(crate) tolerance: Option<f64>,
     /// Most steps or sweeps, 0 to leave the start as it is [default: those of the
-    /// preset, 100 for exact; 1000 sweeps]
+    /// preset, 100 for exact, 400 with --volume keep; 1000 sweeps]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) max_iterations: Option<u32>,
     /// Where the vertices start: blur (the blurred volume), midpoint (the middle of the grid edges),
     /// inside or outside (one of their ends) or random:SEED
     #[arg(long, default_value_t = Start::Blur)]
     pub(crate) start: Start,
+    /// Whether the volume of every connected component is left to the energy
+    #[arg(long, value_enum, default_value_t = VolumeRule::Free)]
+    pub(crate) volume: VolumeRule,
     /// How ambiguous cell faces are cut
     #[arg(long, value_enum, default_value_t = Faces::Separate)]
     pub(crate) faces: Faces,

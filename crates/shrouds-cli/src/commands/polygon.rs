@@ -11,7 +11,9 @@ use shrouds::{Grid, Occupancy};
 use shrouds_io::{Line, MeshOptions, Precision, volume_format, write_atomically, write_lines};
 use shrouds_view::Plan;
 
-use crate::args::{FrameChoice, PolygonArgs, Preset, Slice, SolveArgs, SurfaceKind, TriangleRule};
+use crate::args::{
+    FrameChoice, PolygonArgs, Preset, Slice, SolveArgs, SurfaceKind, TriangleRule, VolumeRule,
+};
 use crate::console::{Console, grouped, number, plural, print_json};
 use crate::failure::Failure;
 use crate::frame;
@@ -143,6 +145,7 @@ fn job(args: &PolygonArgs) -> Result<Job, Failure> {
     let refused = match &args.shroud.solve {
         SolveArgs { surface: SurfaceKind::Dual, .. } => Some("--surface dual"),
         SolveArgs { triangles: TriangleRule::Fixed, .. } => Some("--triangles fixed"),
+        SolveArgs { volume: VolumeRule::Keep, .. } => Some("--volume keep"),
         _ => None,
     };
     if let Some(option) = refused {

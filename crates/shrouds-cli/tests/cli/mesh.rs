@@ -85,6 +85,7 @@ fn settings_reach_the_library() {
         "--energy bending+0.3*variation",
         "--preset fast",
         "--preset exact",
+        "--volume keep",
         "--start random:5 --max-iterations 0",
         "--start midpoint --max-iterations 0",
         "--faces join",
@@ -164,6 +165,30 @@ fn not_to_converge_is_a_failure_only_under_strict() {
     let report = folder.json("a.json");
     assert_eq!(report["solver"]["status"], "converged");
     assert_eq!(report["settings"]["preset"], "exact");
+}
+
+#[test]
+fn volumes_are_kept_and_told() {
+    let folder = Folder::with_tori();
+    let done = folder.run("mesh volume.npy -o a.ply --report a.json --volume keep");
+    assert_eq!(done.code, 0, "{}", done.err);
+    assert!(done.err.contains("; volume of 2 components kept to "), "{}", done.err);
+    let report = folder.json("a.json");
+    clean(&report["checks"]);
+    let volumes = report["solver"]["volumes"].as_array().unwrap();
+    assert_eq!(volumes.len(), 2);
+    for volume in volumes {
+        assert!(volume["relative_error"].as_f64().unwrap() <= 1e-9, "{volume}");
+        assert_eq!(volume["held"], false);
+    }
+    let [found, counted] = ["volume", "voxel_volume"].map(|key| report["geometry"][key].as_f64());
+    assert!((found.unwrap() / counted.unwrap() - 1.0).abs() < 1e-9, "{report}");
+    folder.succeed("mesh volume.npy -o a.ply --report a.json --quiet");
+    assert!(folder.json("a.json")["solver"].get("volumes").is_none());
+    for option in ["--solver sweeps", "--border open", "--surface dual"] {
+        let call = format!("mesh volume.npy -o b.ply --volume keep {option}");
+        folder.refuse(&call, 2, &["--volume keep needs"]);
+    }
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! What keeps vertices off the ends of their grid edges, thin parts alive and flat faces flat.
+//! What keeps vertices off the ends of their grid edges, thin parts alive and flat faces flat, and what
+//! pulls each of them with a force of its own.
 
 use crate::parallel;
 
@@ -20,6 +21,9 @@ const ON_FLAT_FACES: f64 = 1.5;
 pub(super) struct Barrier {
     strengths: Vec<f32>,
     is_set: bool,
+    /// See [`Barrier::pull`]; empty where nothing pulls.
+    forces: Vec<f32>,
+    anchors: Vec<f64>,
 }
 
 /// The part of the strength that all vertices share.
@@ -34,7 +38,12 @@ pub(super) enum Shared {
 
 impl Barrier {
     pub(super) fn none(vertices: usize) -> Self {
-        Self { strengths: vec![0.0; vertices], is_set: false }
+        Self {
+            strengths: vec![0.0; vertices],
+            is_set: false,
+            forces: Vec::new(),
+            anchors: Vec::new(),
+        }
     }
 
     /// Sets the strengths for vertices that lie so surely on flat faces and have these energies.
@@ -62,12 +71,28 @@ impl Barrier {
         });
     }
 
+    /// Pulls every vertex up its grid edge with a force that does not change: subtracts the work they
+    /// do, which is 0 with the vertices at `anchors`.
+    pub(super) fn pull(&mut self, forces: Vec<f32>, anchors: Vec<f64>) {
+        (self.forces, self.anchors) = (forces, anchors);
+    }
+
+    /// Whether it holds vertices off the ends.
     pub(super) fn is_set(&self) -> bool {
         self.is_set
     }
 
+    /// Whether it has a value other than 0.
+    pub(super) fn acts(&self) -> bool {
+        self.is_set || !self.forces.is_empty()
+    }
+
     pub(super) fn value(&self, v: usize, x: f64) -> f64 {
-        -f64::from(self.strengths[v]) * (4.0 * x * (1.0 - x)).ln()
+        let work = match self.forces.get(v) {
+            Some(&force) => f64::from(force) * (x - self.anchors[v]),
+            None => 0.0,
+        };
+        -f64::from(self.strengths[v]) * (4.0 * x * (1.0 - x)).ln() - work
     }
 
     /// Slope and curvature.
@@ -75,6 +100,7 @@ impl Barrier {
     pub(super) fn slopes(&self, v: usize, x: f64) -> (f64, f64) {
         let strength = f64::from(self.strengths[v]);
         let (low, high) = (1.0 / x, 1.0 / (1.0 - x));
-        (strength * (high - low), strength * (low * low + high * high))
+        let force = self.forces.get(v).map_or(0.0, |&force| f64::from(force));
+        (strength * (high - low) - force, strength * (low * low + high * high))
     }
 }

@@ -13,7 +13,10 @@ mod blur;
 mod conjugate;
 mod crease;
 mod model;
+mod enclosed;
 mod flat;
+mod keep;
+mod level;
 mod newton;
 mod plan;
 mod problem;
@@ -30,8 +33,9 @@ mod univariate;
 mod visit;
 
 pub use alone::minimise_vertex;
-pub use report::{Report, Round, Status};
-pub use settings::{Crease, Observer, Preset, Progress, Settings, Solver, Start};
+pub use keep::keep_volumes;
+pub use report::{ComponentVolume, Report, Round, Status};
+pub use settings::{Crease, Observer, Preset, Progress, Settings, Solver, Start, VolumeRule};
 
 use std::sync::Arc;
 
@@ -40,6 +44,8 @@ use crate::error::Error;
 use crate::network::Network;
 use crate::parallel;
 use crate::surface::Surface;
+use crate::volume::Border;
+use keep::Keeper;
 use problem::{Conditions, Problem};
 use real::Real;
 
@@ -51,7 +57,8 @@ pub struct Optimum {
     pub delta: Vec<f64>,
     /// The slopes of both planar curves of every vertex over its grid edge: how far the curve's
     /// tangent runs along the edge for each unit across it, in the directions of growing index and
-    /// in world lengths. The normals follow from them.
+    /// in world lengths. The normals follow from them. Where volumes are kept, those before
+    /// the last correction of the volumes.
     pub slopes: Vec<[f32; 2]>,
     /// How the optimisation went.
     pub report: Report,
@@ -62,14 +69,17 @@ pub struct Optimum {
 /// The result has the same bits on any number of threads.
 ///
 /// # Errors
-/// [`Error::Setting`] when a setting is outside its range, or the mask of rough places not on the grid
-/// of the volume.
+/// [`Error::Setting`] when a setting is outside its range, the mask of rough places is not on the grid
+/// of the volume, or volumes are to be kept by the sweeps or for an open border.
 pub fn optimize(
     surface: &Surface,
     settings: &Settings,
     observer: &mut Observer,
 ) -> Result<Optimum, Error> {
     settings.validate()?;
+    if settings.volume == VolumeRule::Keep && surface.border() == Border::Open {
+        return Err(settings::cannot_keep("free for an open border"));
+    }
     let flatness = flat::flatness(surface);
     let energy = settings.energy();
     let Conditions { spacing, bounds, .. } = Conditions::new(surface, settings, &energy, &flatness);
@@ -105,6 +115,12 @@ impl Task<'_> {
         let mut left = self.settings.max_iterations();
         let (mut preparation, mut slopes) = (Vec::new(), Vec::new());
         let mut report = Report::default();
+        let components = match self.settings.volume {
+            VolumeRule::Free => None,
+            VolumeRule::Keep => Some(self.surface.components()),
+        };
+        let bounds = [self.settings.margin, 1.0 - self.settings.margin];
+        let mut keeper = components.as_ref().map(|c| Keeper::new(self.surface, c, bounds));
         let thinness = match self.settings.crease {
             Some(_) => crease::thinness(self.surface),
             None => Vec::new(),
@@ -119,8 +135,11 @@ impl Task<'_> {
                 let share_done = progress.share_done.map(|share| (n as f64 + share) / count);
                 observer(Progress { share_done, ..progress })
             };
-            let relaxed =
-                relax::relax(self.surface, &conditions, passes, left, &mut x, &mut of_all);
+            let (x, observer) = (&mut x, &mut of_all);
+            let relaxed = match &mut keeper {
+                None => relax::relax(self.surface, &conditions, passes, left, x, observer),
+                Some(keeper) => keeper.relax(&conditions, passes, left, x, observer),
+            };
             left -= relaxed.steps();
             let is_cancelled = relaxed.status() == Status::Cancelled;
             slopes = relaxed.slopes;
@@ -131,6 +150,7 @@ impl Task<'_> {
             }
             preparation.extend(report.rounds.iter().cloned());
         }
+        report.volumes = keeper.map_or(Vec::new(), |keeper| keeper.volumes(&x));
         Optimum { delta: deltas(self.surface, &x), slopes, report }
     }
 

@@ -29,6 +29,8 @@ pub(super) struct Conditions<'a> {
     /// See [`flatness`](crate::optimize::flat::flatness).
     pub(super) flatness: &'a [f32],
     pub(super) creases: Option<Creases<'a>>,
+    /// What pulls every vertex up its grid edge, or nothing.
+    pub(super) forces: Option<&'a [f32]>,
 }
 
 impl<'a> Conditions<'a> {
@@ -41,7 +43,7 @@ impl<'a> Conditions<'a> {
         let grid = surface.grid();
         let spacing = grid.spacing().map(|h| h / grid.min_spacing());
         let bounds = [settings.margin, 1.0 - settings.margin];
-        Self { energy, spacing, bounds, flatness, creases: None }
+        Self { energy, spacing, bounds, flatness, creases: None, forces: None }
     }
 }
 
@@ -128,6 +130,11 @@ impl<'a, R: Real> Problem<'a, R> {
     pub(super) fn fix(&mut self, is_fixed: Vec<bool>) {
         self.has_fixed = is_fixed.contains(&true);
         self.is_fixed = is_fixed;
+    }
+
+    /// Pulls the vertices up their grid edges from where they are.
+    pub(super) fn pull(&mut self, forces: Vec<f32>, x: &[R]) {
+        self.barrier.pull(forces, x.iter().map(|x| x.to_f64()).collect());
     }
 
     /// The largest support of the measures.
@@ -338,9 +345,9 @@ impl<'a, R: Real> Problem<'a, R> {
         self.network.curve_parts(range).map(part).sum()
     }
 
-    /// The barrier of all vertices.
+    /// The barrier of all vertices, and the work of what pulls them.
     pub(super) fn barrier_value(&self, x: &[R]) -> Value {
-        if !self.barrier.is_set() {
+        if !self.barrier.acts() {
             return Value::default();
         }
         parallel::sum_blocks(x.len(), |range| {

@@ -28,7 +28,7 @@ pub(super) struct Relaxed {
 }
 
 impl Relaxed {
-    fn new(vertices: usize) -> Self {
+    pub(super) fn new(vertices: usize) -> Self {
         Self {
             rounds: Vec::new(),
             stationarity: Stationarity::default(),

@@ -61,7 +61,8 @@ pub struct Report {
     /// Iterations (Gauss–Newton steps or sweeps) over all rounds.
     pub iterations: usize,
     /// Energy at the start of the first round that is not preparation, and of the result, each with
-    /// the weights and barrier in force.
+    /// the weights and barrier in force. Where volumes are kept, the energy that counts is less the
+    /// work of the multipliers since the last weights, which dies down.
     pub energy: [f64; 2],
     /// Euclidean norm of the projected gradient of the energy with respect to the positions: zero
     /// components where a bound holds the vertex.
@@ -83,12 +84,41 @@ pub struct Report {
     pub rounds: Vec<Round>,
     /// How many rounds at the beginning prepared the work with another energy.
     pub prepared: usize,
+    /// The volumes of the surface's components in the order of [`Surface::components`], where they are
+    /// kept ([`VolumeRule::Keep`]); else empty.
+    ///
+    /// [`Surface::components`]: crate::surface::Surface::components
+    /// [`VolumeRule::Keep`]: crate::optimize::VolumeRule::Keep
+    pub volumes: Vec<ComponentVolume>,
+}
+
+/// The volume of a connected component of the surface, in cubic world units; negative where it bounds a
+/// cavity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ComponentVolume {
+    /// The number of voxels that the component encloses times the volume of one.
+    pub target: f64,
+    /// What it came to.
+    pub reached: f64,
+    /// The Lagrange multiplier: how fast the least energy grows with the target, for each unit of
+    /// volume.
+    pub multiplier: f64,
+    /// Whether the bounds on δ keep it from its target.
+    pub is_held: bool,
+}
+
+impl ComponentVolume {
+    /// How far it is from its target, as part of it.
+    pub fn relative_error(&self) -> f64 {
+        (self.reached / self.target - 1.0).abs()
+    }
 }
 
 /// How far a state is from satisfying the conditions of a minimum.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Stationarity {
     gradient_squared: f64,
+    curvature: f64,
     step_squared: f64,
     step_max: f64,
     gain_max: f64,
@@ -114,6 +144,7 @@ impl Stationarity {
             let held = (x <= low && gradient > 0.0) || (x >= high && gradient < 0.0);
             let step = model.lone_step(v, x, bounds);
             sum.gradient_squared += if held { 0.0 } else { gradient * gradient };
+            sum.curvature += model.diagonal(v);
             sum.step_squared += step * step;
             sum.step_max = sum.step_max.max(step.abs());
             let gain = -step * (gradient + 0.5 * model.diagonal(v) * step);
@@ -129,12 +160,18 @@ impl Stationarity {
     /// Takes in that of other vertices.
     pub(super) fn add(&mut self, other: Self) {
         self.gradient_squared += other.gradient_squared;
+        self.curvature += other.curvature;
         self.step_squared += other.step_squared;
         self.step_max = self.step_max.max(other.step_max);
         self.gain_max = self.gain_max.max(other.gain_max);
         self.gap += other.gap;
         self.at_bound += other.at_bound;
         self.count += other.count;
+    }
+
+    /// The mean over the vertices of the second derivative by the position of one alone.
+    pub(super) fn mean_curvature(&self) -> f64 {
+        self.curvature / self.count.max(1) as f64
     }
 
     pub(super) fn step_rms(&self) -> f64 {
@@ -169,6 +206,7 @@ impl Report {
             at_bound: stationarity.at_bound as f64 / stationarity.count.max(1) as f64,
             rounds,
             prepared,
+            volumes: Vec::new(),
         }
     }
 }

@@ -64,6 +64,18 @@ impl Default for Crease {
     }
 }
 
+/// Whether the volume that the surface encloses is left to the energy.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub enum VolumeRule {
+    /// It is.
+    #[default]
+    Free,
+    /// Every connected component of the surface encloses as many voxel volumes as voxels, as far as the
+    /// bounds allow: a constraint with one Lagrange multiplier for each. For [`Solver::Newton`] and a
+    /// closed border.
+    Keep,
+}
+
 /// Settings of the optimisation.
 #[derive(Clone)]
 pub struct Settings {
@@ -78,12 +90,14 @@ pub struct Settings {
     /// δ stays within `[margin, 1 − margin]`, so that no vertex touches a lattice point.
     /// Range [1e-6, 0.1]; default 0.002.
     pub margin: f64,
+    /// Whether volumes are kept. Default [`VolumeRule::Free`].
+    pub volume: VolumeRule,
     /// When to stop. `Newton` with [`Preset::Exact`]: when the root mean square of the projected
     /// step falls to it and the last step lowered the energy by at most that part of it; the other
     /// presets do not look at it. `Sweeps`: when ‖δᵏ − δᵏ⁺¹‖/‖δᵏ⁺¹‖ falls to it, the paper's rule.
     /// Range (0, 1); default 5e-4 for `Newton`, 1e-6 for `Sweeps`.
     pub tolerance: Option<f64>,
-    /// Hard limit on Gauss–Newton steps or sweeps. Default 100 or 1000.
+    /// Hard limit on Gauss–Newton steps or sweeps. Default 100, or 400 where volumes are kept, or 1000.
     pub max_iterations: Option<usize>,
     /// Whether creases stay; not with what [`converges`](Settings::converges), as their weights never
     /// come to rest. Default none: all is smooth.
@@ -101,6 +115,7 @@ impl Default for Settings {
             preset: Preset::default(),
             start: Start::default(),
             margin: 0.002,
+            volume: VolumeRule::default(),
             tolerance: None,
             max_iterations: None,
             crease: None,
@@ -133,6 +148,7 @@ impl Settings {
     /// The iteration limit in force.
     pub fn max_iterations(&self) -> usize {
         self.max_iterations.unwrap_or(match self.solver {
+            Solver::Newton if self.volume == VolumeRule::Keep => 400,
             Solver::Newton => 100,
             Solver::Sweeps => 1000,
         })
@@ -152,6 +168,9 @@ impl Settings {
         if !(self.tolerance() > 0.0 && self.tolerance() < 1.0) {
             return refuse("tolerance", self.tolerance(), "above 0 and below 1");
         }
+        if self.volume == VolumeRule::Keep && self.solver == Solver::Sweeps {
+            return Err(cannot_keep("free for the sweeps"));
+        }
         match self.crease {
             Some(Crease { angle }) if !(0.01..=1.0).contains(&angle) => {
                 refuse("crease angle", angle, "between 0.01 and 1 radians")
@@ -164,6 +183,11 @@ impl Settings {
             _ => Ok(()),
         }
     }
+}
+
+/// That volumes cannot be kept, and what is possible.
+pub(super) fn cannot_keep(range: &'static str) -> Error {
+    Error::Setting { name: "volume", value: "keep".into(), range }
 }
 
 /// How far the optimisation has come.

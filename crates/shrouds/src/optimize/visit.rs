@@ -33,6 +33,9 @@ pub(super) fn visit<R: Real>(
     let local = |factors: &[f32]| tile.read(factors, 0.0);
     let mut problem = Problem::new(&tile.network, conditions, local);
     problem.fix(tile.is_fixed());
+    if let Some(forces) = conditions.forces {
+        problem.pull(local(forces), &x);
+    }
     let mut newton = Newton::new(&tile.network);
     let (mut energies, mut first_move) = (Vec::new(), 0.0);
     for steps in passes {

@@ -13,6 +13,7 @@
 mod bits;
 mod cell;
 mod cells;
+mod components;
 mod crossing;
 mod crossings;
 mod extract;
@@ -25,6 +26,7 @@ pub(crate) mod triangulation;
 mod tests;
 
 pub use cell::LoopShape;
+pub use components::Components;
 pub use crossing::Crossing;
 
 use std::ops::Range;
