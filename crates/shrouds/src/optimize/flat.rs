@@ -98,12 +98,9 @@ impl<'a> Terrace<'a> {
         is_there.then_some(moved)
     }
 
-    /// How flat it is along an axis: how many times as long as the next terraces on both sides. An
-    /// image of one slice is flat across.
+    /// How flat it is along an axis: how many times as long as the next terraces on both sides. In an
+    /// image of one slice nothing is: one direction alone tells a side from an arc too badly.
     fn flatness_along(&self, along: usize) -> f32 {
-        if self.lattice.dims[along] == 1 {
-            return 1.0;
-        }
         let ends = [false, true].map(|forward| self.run(0, 0, along, forward));
         let length = ends[0] + ends[1] - 1;
         if length < SHORTEST {
