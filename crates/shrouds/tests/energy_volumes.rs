@@ -49,7 +49,8 @@ proptest! {
                 prop_assert!(report.energy.iter().all(|e| e.is_finite()), "{energy}");
                 for round in &report.rounds {
                     for pair in round.energies.windows(2) {
-                        prop_assert!(pair[1] <= pair[0] * (1.0 + 1e-12), "{energy} {pair:?}");
+                        // At nothing the last digits are all there is.
+                        prop_assert!(pair[1] <= pair[0] * (1.0 + 1e-12) + 1e-24, "{energy} {pair:?}");
                     }
                 }
             }

@@ -82,7 +82,7 @@ proptest! {
                     let (delta, report) = run_on(&volume, rule, border, &settings);
                     for round in &report.rounds {
                         for pair in round.energies.windows(2) {
-                            prop_assert!(pair[1] <= pair[0] * (1.0 + 1e-12), "{solver:?} {pair:?}");
+                            prop_assert!(pair[1] <= pair[0] * (1.0 + 1e-12) + 1e-24, "{solver:?} {pair:?}");
                         }
                     }
                     let within = margin - 1e-15..=1.0 - margin + 1e-15;
