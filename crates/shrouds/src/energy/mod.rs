@@ -121,8 +121,8 @@ pub trait CurveFormula: Send + Sync {
         0.0
     }
 
-    /// The strength c of the barrier `−μ Σ log(4 δ (1 − δ))`, with `μ = min(c·E/N, 0.01)` for energy
-    /// E and N vertices; 0 for none.
+    /// The strength c of the barrier `−Σ μ log(4 δ (1 − δ))`, with `μ = min(c·E/N, 0.01)` for energy E
+    /// and N vertices, and more where parts are thin or faces along the grid flat; 0 for none at all.
     fn barrier(&self) -> f64 {
         0.0
     }

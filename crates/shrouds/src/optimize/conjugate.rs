@@ -26,9 +26,8 @@ impl<R: Real> Room<'_, R> {
 /// Effort spent on one step.
 #[derive(Clone, Copy)]
 pub(super) struct Effort {
-    /// Iterations before the step is cut to the box and the vertices that left it are fixed.
-    pub(super) segment: usize,
-    pub(super) segments: usize,
+    /// The most iterations.
+    pub(super) iterations: usize,
     /// Stop when the preconditioned residual has fallen to this part of its first norm.
     pub(super) reduction: f64,
     /// Parts of the step that are tried until one lowers the energy.
@@ -74,11 +73,7 @@ impl Workspace {
         &self.step
     }
 
-    /// Minimises the model over steps within the room, approximately.
-    ///
-    /// Long runs of conjugate gradients leave the box along its almost flat valleys, and cutting the
-    /// step at the end would spoil it; so it is cut after every short segment, the vertices that were
-    /// cut stay where they are, and the next segment starts from the corrected residual.
+    /// Minimises the model over all steps, approximately, and cuts the step to the room.
     pub(super) fn solve<R: Real>(
         &mut self,
         model: &Model<R>,
@@ -86,17 +81,11 @@ impl Workspace {
         room: &Room<R>,
         effort: &Effort,
     ) {
-        let mut norm = self.start(model, room);
+        let norm = self.start(model, room);
         let goal = norm * effort.reduction * effort.reduction;
-        for segment in 0..effort.segments {
-            if norm <= goal {
-                return;
-            }
-            norm = self.segment(model, network, effort.segment, norm, goal);
-            let cut = self.cut_to(room);
-            if cut && segment + 1 < effort.segments {
-                norm = self.recompute_residual(model, network);
-            }
+        if norm > goal {
+            self.iterate(model, network, effort.iterations, norm, goal);
+            self.cut_to(room);
         }
     }
 
@@ -124,31 +113,30 @@ impl Workspace {
         })
     }
 
-    /// Conjugate gradients from the current residual.
-    fn segment<R: Real>(
+    /// Conjugate gradients from a residual with this norm until it has fallen to `goal`.
+    fn iterate<R: Real>(
         &mut self,
         model: &Model<R>,
         network: &Network,
         iterations: usize,
         mut norm: f64,
         goal: f64,
-    ) -> f64 {
+    ) {
         self.redirect(0.0);
         for _ in 0..iterations {
             model.images(network, &self.direction, &mut self.place_images);
             let curvature = self.combine(model, network);
             if curvature <= 0.0 {
-                break;
+                return;
             }
             let next = self.advance((norm / curvature) as f32);
             let ratio = (next / norm) as f32;
             norm = next;
             if norm <= goal {
-                break;
+                return;
             }
             self.redirect(ratio);
         }
-        norm
     }
 
     /// The next direction: the preconditioned residual and a part of the direction before.
@@ -195,45 +183,19 @@ impl Workspace {
         })
     }
 
-    /// Cuts the step to the room and fixes the vertices that were cut; whether there were any.
-    fn cut_to<R: Real>(&mut self, room: &Room<R>) -> bool {
-        let arrays = [&mut self.residual[..], &mut self.inverse];
-        let cuts =
-            parallel::update_blocks(&mut self.step, arrays, |first, step, [residual, inverse]| {
-                let count = step.len();
-                let x = &room.x[first..][..count];
-                let (residual, inverse) = (&mut residual[..count], &mut inverse[..count]);
-                let mut cuts = 0u32;
-                for n in 0..count {
-                    let [low, high] = room.around(x[n]);
-                    let within = step[n].max(low).min(high);
-                    let is_cut = (within != step[n]) & (inverse[n] > 0.0);
-                    step[n] = if is_cut { within } else { step[n] };
-                    residual[n] = if is_cut { 0.0 } else { residual[n] };
-                    inverse[n] = if is_cut { 0.0 } else { inverse[n] };
-                    cuts += u32::from(is_cut);
-                }
-                f64::from(cuts)
-            });
-        cuts > 0.0
-    }
-
-    fn recompute_residual<R: Real>(&mut self, model: &Model<R>, network: &Network) -> f64 {
-        model.images(network, &self.step, &mut self.place_images);
-        let (step, inverse, images) = (&self.step, &self.inverse, &self.place_images);
-        parallel::update_blocks(&mut self.residual, NONE, |first, residual, []| {
-            let at_vertices = network.at_vertices(first..first + residual.len(), images);
-            for ((n, residual), [a, b]) in residual.iter_mut().enumerate().zip(at_vertices) {
-                let v = first + n;
-                let image = model.diagonals()[v] * step[v] + (a + b);
-                *residual = if inverse[v] > 0.0 {
-                    -model.gradients()[v].to_f64() as f32 - image
-                } else {
-                    0.0
-                };
+    /// Cuts the step to the room. A fixed vertex has none.
+    fn cut_to<R: Real>(&mut self, room: &Room<R>) {
+        let inverse = &self.inverse;
+        parallel::update_blocks(&mut self.step, NONE, |first, step, []| {
+            let count = step.len();
+            let (x, inverse) = (&room.x[first..][..count], &inverse[first..][..count]);
+            for n in 0..count {
+                let [low, high] = room.around(x[n]);
+                let within = step[n].max(low).min(high);
+                step[n] = if inverse[n] > 0.0 { within } else { step[n] };
             }
-            norm(residual, &inverse[first..])
-        })
+            0.0
+        });
     }
 }
 

@@ -81,8 +81,9 @@ impl<'a> Terrace<'a> {
         let mut flatness = 1.0f32;
         for there in around.into_iter().filter_map(|(axis, steps)| self.moved(axis, steps)) {
             for along in [first, second] {
-                if flatness > 0.0 {
-                    flatness = flatness.min(there.flatness_along(along));
+                flatness = flatness.min(there.flatness_along(along));
+                if flatness == 0.0 {
+                    return 0.0;
                 }
             }
         }
@@ -122,9 +123,12 @@ impl<'a> Terrace<'a> {
             if forward { dims[along] - self.point[along] } else { self.point[along] + 1 };
         let up = if self.is_up { height } else { -height };
         // Both the lattice point and the one above it must be there.
-        let base = self.point[self.axis].checked_add_signed(up);
-        let top = base.and_then(|base| base.checked_add_signed(if self.is_up { 1 } else { -1 }));
-        if top.is_none_or(|top| base.max(Some(top)) >= Some(dims[self.axis])) {
+        let above = if self.is_up { up + 1 } else { up - 1 };
+        let is_there = |shift| {
+            let place = self.point[self.axis].checked_add_signed(shift);
+            place.is_some_and(|place| place < dims[self.axis])
+        };
+        if !is_there(up) || !is_there(above) {
             return 0;
         }
         let stride = if forward { strides[along] } else { -strides[along] };

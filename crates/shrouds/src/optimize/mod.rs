@@ -12,11 +12,11 @@ mod barrier;
 mod blur;
 mod conjugate;
 mod crease;
-mod model;
 mod enclosed;
 mod flat;
 mod keep;
 mod level;
+mod model;
 mod newton;
 mod plan;
 mod problem;
@@ -48,6 +48,7 @@ use crate::volume::Border;
 use keep::Keeper;
 use problem::{Conditions, Problem};
 use real::Real;
+use report::Stationarity;
 
 /// A surface that minimises the energy, or comes near.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -113,8 +114,8 @@ impl Task<'_> {
     /// The default method.
     fn step<R: Real>(&self, mut x: Vec<R>, observer: &mut Observer) -> Optimum {
         let mut left = self.settings.max_iterations();
-        let (mut preparation, mut slopes) = (Vec::new(), Vec::new());
-        let mut report = Report::default();
+        let (mut rounds, mut prepared) = (Vec::new(), 0);
+        let (mut stationarity, mut slopes) = (Stationarity::default(), Vec::new());
         let components = match self.settings.volume {
             VolumeRule::Free => None,
             VolumeRule::Keep => Some(self.surface.components()),
@@ -131,9 +132,11 @@ impl Task<'_> {
             let energy = self.with_rough_places(energy);
             let conditions = Conditions::new(self.surface, self.settings, &energy, self.flatness);
             let conditions = Conditions { creases, ..conditions };
+            let done = self.settings.max_iterations() - left;
             let mut of_all = |progress: Progress| {
                 let share_done = progress.share_done.map(|share| (n as f64 + share) / count);
-                observer(Progress { share_done, ..progress })
+                let iteration = done + progress.iteration;
+                observer(Progress { iteration, share_done, ..progress })
             };
             let (x, observer) = (&mut x, &mut of_all);
             let relaxed = match &mut keeper {
@@ -142,14 +145,14 @@ impl Task<'_> {
             };
             left -= relaxed.steps();
             let is_cancelled = relaxed.status() == Status::Cancelled;
-            slopes = relaxed.slopes;
-            let before = std::mem::take(&mut preparation);
-            report = Report::new(before, relaxed.rounds, &relaxed.stationarity);
+            (stationarity, slopes) = (relaxed.stationarity, relaxed.slopes);
+            prepared = rounds.len();
+            rounds.extend(relaxed.rounds);
             if is_cancelled {
                 break;
             }
-            preparation.extend(report.rounds.iter().cloned());
         }
+        let mut report = Report::new(rounds, prepared, &stationarity);
         report.volumes = keeper.map_or(Vec::new(), |keeper| keeper.volumes(&x));
         Optimum { delta: deltas(self.surface, &x), slopes, report }
     }
@@ -171,7 +174,7 @@ impl Task<'_> {
         let (rounds, mut stationarity) =
             sweeps::solve(&mut problem, self.surface, &mut x, self.settings, observer);
         stationarity.is_certain = energy.is_convex();
-        let report = Report::new(Vec::new(), rounds, &stationarity);
+        let report = Report::new(rounds, 0, &stationarity);
         Optimum { delta: deltas(self.surface, &x), slopes: problem.slopes(&x), report }
     }
 }

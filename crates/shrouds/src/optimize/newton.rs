@@ -63,6 +63,10 @@ impl<R: Real> Newton<R> {
     ) -> Option<Step> {
         self.workspace.solve(&self.model, problem.network, &room(problem, x), effort);
         let [low, high] = problem.bounds.map(R::to_f64);
+        let awkward = match effort.repairs && effort.converges {
+            true => self.awkward(problem, x),
+            false => Vec::new(),
+        };
         for part in effort.parts {
             let mut together = x.clone();
             parallel::update_blocks(&mut together, NONE, |first, together, []| {
@@ -72,7 +76,6 @@ impl<R: Real> Newton<R> {
                 0.0
             });
             if effort.repairs {
-                let awkward = if effort.converges { self.awkward(problem, x) } else { Vec::new() };
                 repair(problem, &mut together, &awkward);
             }
             let value = self.model.linearise(problem, &together);

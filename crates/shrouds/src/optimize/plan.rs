@@ -31,8 +31,7 @@ const PREPARATION: usize = 20;
 
 /// Steps of a pass that is one of many. More would be wasted on weights that change anyway.
 pub(super) const STEPS: [Effort; 4] = [Effort {
-    segment: 100,
-    segments: 1,
+    iterations: 100,
     reduction: 1e-2,
     parts: &[1.0, 0.3, 0.1],
     repairs: true,
@@ -40,14 +39,7 @@ pub(super) const STEPS: [Effort; 4] = [Effort {
 }; 4];
 
 const fn iterations(count: usize) -> Effort {
-    Effort {
-        segment: count,
-        segments: 1,
-        reduction: 1e-3,
-        parts: &[1.0],
-        repairs: true,
-        converges: false,
-    }
+    Effort { iterations: count, reduction: 1e-3, parts: &[1.0], repairs: true, converges: false }
 }
 
 const FAST: Passes = Passes::Fixed(&[&[iterations(20)]]);

@@ -180,18 +180,12 @@ impl Stationarity {
 }
 
 impl Report {
-    /// The report of an optimisation that took these rounds after some in preparation.
-    pub(super) fn new(
-        preparation: Vec<Round>,
-        rounds: Vec<Round>,
-        stationarity: &Stationarity,
-    ) -> Self {
-        let first = rounds.first().and_then(|round| round.energies.first());
+    /// The report of an optimisation that took these rounds, the first of them in preparation.
+    pub(super) fn new(rounds: Vec<Round>, prepared: usize, stationarity: &Stationarity) -> Self {
+        let first = rounds[prepared..].first().and_then(|round| round.energies.first());
         let last = rounds.last().and_then(|round| round.energies.last());
         let energy = [first, last].map(|energy| energy.copied().unwrap_or_default());
         let status = rounds.last().map_or(Status::Empty, |round| round.status);
-        let prepared = preparation.len();
-        let rounds: Vec<Round> = preparation.into_iter().chain(rounds).collect();
         Self {
             status,
             iterations: rounds.iter().map(|round| round.energies.len() - 1).sum(),

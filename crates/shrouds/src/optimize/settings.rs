@@ -26,7 +26,8 @@ pub enum Preset {
     /// Three steps: near the minimum on smooth shapes, not on thin ones.
     #[default]
     Default,
-    /// Steps until the stop rule is satisfied.
+    /// Steps until the stop rule is satisfied; unless another energy is asked for, on bending and then
+    /// on variation.
     Exact,
 }
 
@@ -92,9 +93,10 @@ pub struct Settings {
     pub margin: f64,
     /// Whether volumes are kept. Default [`VolumeRule::Free`].
     pub volume: VolumeRule,
-    /// When to stop. `Newton` with [`Preset::Exact`]: when the root mean square of the projected
-    /// step falls to it and the last step lowered the energy by at most that part of it; the other
-    /// presets do not look at it. `Sweeps`: when ‖δᵏ − δᵏ⁺¹‖/‖δᵏ⁺¹‖ falls to it, the paper's rule.
+    /// When to stop. `Newton` with [`Preset::Exact`]: when, with weights frozen anew, the root mean
+    /// square of the next step falls to it, every move counted up to 0.01, and that of the projected
+    /// step too; the other presets do not look at it. `Sweeps`: when ‖δᵏ − δᵏ⁺¹‖/‖δᵏ⁺¹‖ falls to
+    /// it, the paper's rule.
     /// Range (0, 1); default 5e-4 for `Newton`, 1e-6 for `Sweeps`.
     pub tolerance: Option<f64>,
     /// Hard limit on Gauss–Newton steps or sweeps. Default 100, or 400 where volumes are kept, or 1000.
