@@ -75,7 +75,8 @@ pub(crate) fn source(
         None => {
             progress.stage("reading");
             let report = |done, bytes| progress.read(done, bytes);
-            read_occupancy(path, &volume_options(args, &report), &select)?
+            let selected = read_occupancy(path, &volume_options(args, &report), &select)?;
+            (selected.occupancy, selected.frame)
         }
     };
     if occupancy.count() == 0 {

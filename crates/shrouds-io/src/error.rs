@@ -60,6 +60,14 @@ pub enum Error {
         /// What to do.
         advice: &'static str,
     },
+    /// The file holds several volumes, and none of them was chosen, or one that is not there.
+    #[error("{}: it holds {choices}; name one of them", .path.display())]
+    Choice {
+        /// The file.
+        path: PathBuf,
+        /// What there is to choose from.
+        choices: String,
+    },
     /// There are fewer bytes than the header promises.
     #[error(
         "{}: expected {expected} bytes of voxel data, found {found}: the file is truncated; copy or write it again",
@@ -75,12 +83,14 @@ pub enum Error {
     },
     /// The compressed data does not unpack.
     #[error(
-        "{}: the gzip data is truncated or damaged ({cause}); copy or write the file again",
+        "{}: the {method} data is truncated or damaged ({cause}); copy or write the file again",
         .path.display()
     )]
-    Gzip {
+    Compressed {
         /// The file.
         path: PathBuf,
+        /// How it is compressed.
+        method: &'static str,
         /// What the decoder said.
         cause: io::Error,
     },

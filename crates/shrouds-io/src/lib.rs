@@ -32,6 +32,6 @@ pub use mesh::{
 };
 pub use stream::Progress;
 pub use volume::{
-    Axes, Frame, Values, Volume, VolumeFormat, VolumeOptions, read_occupancy, read_volume,
-    volume_format, write_npy,
+    Axes, Contents, Frame, Segment, Selected, Values, Volume, VolumeFormat, VolumeOptions,
+    read_contents, read_occupancy, read_volume, volume_format, write_npy,
 };

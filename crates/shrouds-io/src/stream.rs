@@ -1,10 +1,10 @@
-//! Bytes of an input file: plain or gzip, with errors that name it and a report of the progress.
+//! Bytes of an input file: plain, gzip or zlib, with errors that name it and a report of the progress.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
-use flate2::bufread::MultiGzDecoder;
+use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
 
 use crate::error::Error;
 
@@ -14,13 +14,20 @@ pub type Progress<'a> = &'a dyn Fn(u64, u64);
 
 /// Bytes between two reports of the progress.
 const REPORT_EVERY: u64 = 1 << 22;
+/// Bytes that one compressed byte can become at most: those of a block of 258 in two bits.
+const EXPANSION: u64 = 1032;
+/// Compressed data with more bytes than these after the last element is damaged, or a trap.
+const MOST_AFTER: u64 = 1 << 26;
 
 /// An open file, read from front to back.
 pub(crate) struct Stream<'a> {
     pub(crate) path: &'a Path,
     reader: Box<dyn BufRead + 'a>,
-    gzip: bool,
+    /// How the bytes are compressed, if they are.
+    method: Option<&'static str>,
     remaining: Option<u64>,
+    /// Bytes that the stream can still give at most, if that is known.
+    most: Option<u64>,
 }
 
 impl<'a> Stream<'a> {
@@ -33,13 +40,23 @@ impl<'a> Stream<'a> {
         let reader = Counted { file, length: data.len(), read: 0, reported: 0, progress };
         // Pipes have no length to check.
         let remaining = data.is_file().then_some(data.len());
-        Ok(Self { path, reader: Box::new(BufReader::new(reader)), gzip: false, remaining })
+        let reader = Box::new(BufReader::new(reader));
+        Ok(Self { path, reader, method: None, remaining, most: remaining })
     }
 
     /// From here on the bytes are gzip.
     pub(crate) fn unpacked(self) -> Self {
-        let decoder = BufReader::new(MultiGzDecoder::new(self.reader));
-        Self { reader: Box::new(decoder), gzip: true, remaining: None, ..self }
+        let most = self.remaining.map(|bytes| bytes.saturating_mul(EXPANSION));
+        let reader = Box::new(BufReader::new(MultiGzDecoder::new(self.reader)));
+        Self { reader, method: Some("gzip"), remaining: None, most, ..self }
+    }
+
+    /// From here on the bytes are zlib.
+    #[expect(dead_code, reason = "MetaImage and VTI come next")]
+    pub(crate) fn inflated(self) -> Self {
+        let most = self.remaining.map(|bytes| bytes.saturating_mul(EXPANSION));
+        let reader = Box::new(BufReader::new(ZlibDecoder::new(self.reader)));
+        Self { reader, method: Some("zlib"), remaining: None, most, ..self }
     }
 
     /// Bytes left in an uncompressed file, if its length is known.
@@ -58,8 +75,19 @@ impl<'a> Stream<'a> {
                 Err(error) => return Err(self.failed(error)),
             }
         }
-        self.remaining = self.remaining.map(|left| left.saturating_sub(filled as u64));
+        self.took(filled as u64);
         Ok(filled)
+    }
+
+    fn took(&mut self, bytes: u64) {
+        for left in [&mut self.remaining, &mut self.most].into_iter().flatten() {
+            *left = left.saturating_sub(bytes);
+        }
+    }
+
+    /// Bytes that the stream can still give at most, if that is known.
+    pub(crate) fn most(&self) -> Option<u64> {
+        self.most
     }
 
     /// The first bytes of the stream, which stay in it; all there are, up to the buffer's size.
@@ -76,7 +104,7 @@ impl<'a> Stream<'a> {
         let mut line = Vec::new();
         let read = self.reader.by_ref().take(limit).read_until(b'\n', &mut line);
         let count = read.map_err(|error| self.failed(error))?;
-        self.remaining = self.remaining.map(|left| left.saturating_sub(count as u64));
+        self.took(count as u64);
         if line.pop_if(|byte| *byte == b'\n').is_none() {
             return Ok(None);
         }
@@ -84,23 +112,27 @@ impl<'a> Stream<'a> {
         Ok(Some(String::from_utf8_lossy(&line).into_owned()))
     }
 
-    /// Skips `count` bytes, or what there is.
-    pub(crate) fn skip(&mut self, count: u64) -> Result<(), Error> {
+    /// Skips `count` bytes, or what there is; returns how many.
+    pub(crate) fn skip(&mut self, count: u64) -> Result<u64, Error> {
         let skipped = io::copy(&mut self.reader.by_ref().take(count), &mut io::sink());
         let skipped = skipped.map_err(|error| self.failed(error))?;
-        self.remaining = self.remaining.map(|left| left.saturating_sub(skipped));
-        Ok(())
+        self.took(skipped);
+        Ok(skipped)
     }
 
     /// Reads compressed data to its end, where its checksum is.
     pub(crate) fn finish(&mut self) -> Result<(), Error> {
-        if self.gzip { self.skip(u64::MAX) } else { Ok(()) }
+        if self.method.is_none() || self.skip(MOST_AFTER)? < MOST_AFTER {
+            return Ok(());
+        }
+        let problem = format!("more than {MOST_AFTER} bytes follow the last voxel");
+        Err(Error::header(self.path, problem))
     }
 
     fn failed(&self, cause: io::Error) -> Error {
         let path = self.path.into();
-        if self.gzip {
-            return Error::Gzip { path, cause };
+        if let Some(method) = self.method {
+            return Error::Compressed { path, method, cause };
         }
         Error::Io { path, doing: "read it", cause, advice: "check the disk and try again" }
     }

@@ -1,10 +1,8 @@
-//! From stored bytes to elements: the one decoder of all volume formats.
-
-use shrouds::volume::{Filler, Voxel};
+//! From stored bytes to elements: the one decoder of all formats whose elements follow each other.
 
 use crate::error::Error;
 use crate::stream::Stream;
-use crate::volume::Values;
+use crate::volume::{Slabs, Values};
 
 /// Bytes decoded at a time, unless a row is longer; a multiple of every element size.
 const CHUNK: usize = 1 << 20;
@@ -77,88 +75,75 @@ macro_rules! with_element {
     };
 }
 
-/// The elements of a volume file, all still to be read, and what its header says of them.
+/// The elements of a volume file that follow each other in one stream, and what its header says of
+/// them.
 ///
 /// Memory grows with the bytes that arrive; the length of an uncompressed file is checked first, the
 /// checksum of a compressed one last. Bytes after the last element are tolerated.
 pub(super) struct Elements<'a> {
-    pub(super) stream: Stream<'a>,
-    pub(super) element: Element,
-    pub(super) endian: Endian,
-    pub(super) count: usize,
+    stream: Stream<'a>,
+    element: Element,
+    endian: Endian,
+    count: usize,
+    /// How many have been handed out.
+    done: usize,
+    /// How many are handed out at a time.
+    step: usize,
+    buffer: Vec<u8>,
 }
 
-impl Elements<'_> {
-    /// Reads all of them.
-    pub(super) fn values(mut self) -> Result<Values, Error> {
-        let values = with_element!(self.element, self.endian, convert => {
-            let mut values = self.space()?;
-            self.pieces(convert, 1, |piece| values.extend_from_slice(piece))?;
-            Values::from(values)
-        });
-        self.stream.finish()?;
-        Ok(values)
+impl<'a> Elements<'a> {
+    /// `count` elements in rows of `row`; the stream stands before the first of them.
+    pub(super) fn new(
+        stream: Stream<'a>,
+        element: Element,
+        endian: Endian,
+        count: usize,
+        row: usize,
+    ) -> Self {
+        let step = row * (CHUNK / element.size() / row).max(1);
+        Self { stream, element, endian, count, done: 0, step, buffer: Vec::new() }
     }
 
-    /// Reads all of them into the rows of a volume, after `slope · element + shift` if that changes
-    /// anything.
-    pub(super) fn fill(
-        mut self,
-        filler: &mut Filler,
-        scaling: Option<(f64, f64)>,
-    ) -> Result<(), Error> {
-        let row = filler.row_length();
-        with_element!(self.element, self.endian, convert => match scaling {
-            None => self.pieces(convert, row, |piece| filler.push_rows(piece))?,
-            Some((slope, shift)) => {
-                let scaled = |bytes| convert(bytes).as_f64() * slope + shift;
-                self.pieces(scaled, row, |piece| filler.push_rows(piece))?;
-            }
-        });
-        self.stream.finish()
-    }
-
-    /// An empty list with space for the elements that a file of known length holds.
-    fn space<T>(&self) -> Result<Vec<T>, Error> {
-        let mut values = Vec::new();
-        let held = |bytes| bytes >= self.count as u64 * self.element.size() as u64;
-        if self.stream.remaining().is_some_and(held) {
-            values.try_reserve_exact(self.count).map_err(|_| {
-                let bytes = self.count * self.element.size();
-                let what = format!("a volume of {bytes} bytes, more than memory can hold,");
-                Error::unsupported(self.stream.path, what, "crop or downsample it first")
-            })?;
-        }
-        Ok(values)
-    }
-
-    /// Hands out all elements in order, converted, whole rows of this length at a time.
-    fn pieces<T, const SIZE: usize>(
+    /// The next elements, converted.
+    fn read<T, const SIZE: usize>(
         &mut self,
         convert: impl Fn([u8; SIZE]) -> T,
-        row: usize,
-        mut push: impl FnMut(&[T]),
-    ) -> Result<(), Error> {
+    ) -> Result<Vec<T>, Error> {
         let path = self.stream.path;
         let expected = self.count as u64 * SIZE as u64;
         let truncated = |found: u64| Error::Truncated { path: path.into(), expected, found };
-        if let Some(found) = self.stream.remaining().filter(|found| *found < expected) {
-            return Err(truncated(found));
+        let read = self.done as u64 * SIZE as u64;
+        if let Some(left) = self.stream.remaining().filter(|left| *left < expected - read) {
+            return Err(truncated(read + left));
         }
-        let step = row * (CHUNK / SIZE / row).max(1);
-        let mut buffer = vec![0; step.min(self.count) * SIZE];
-        let mut piece = Vec::with_capacity(step.min(self.count));
-        for done in (0..self.count).step_by(step) {
-            let bytes = &mut buffer[..step.min(self.count - done) * SIZE];
-            let found = self.stream.fill(bytes)?;
-            if found < bytes.len() {
-                return Err(truncated((done * SIZE + found) as u64));
-            }
-            piece.clear();
-            piece.extend(bytes.as_chunks::<SIZE>().0.iter().map(|bytes| convert(*bytes)));
-            push(&piece);
+        if self.stream.most().is_some_and(|left| left < expected - read) {
+            let problem =
+                format!("it promises {expected} bytes of voxels, more than are packed here");
+            return Err(Error::header(path, problem));
         }
-        Ok(())
+        let count = self.step.min(self.count - self.done);
+        self.buffer.resize(count * SIZE, 0);
+        let found = self.stream.fill(&mut self.buffer)?;
+        if found < self.buffer.len() {
+            return Err(truncated(read + found as u64));
+        }
+        self.done += count;
+        Ok(self.buffer.as_chunks::<SIZE>().0.iter().map(|bytes| convert(*bytes)).collect())
+    }
+}
+
+impl Slabs for Elements<'_> {
+    fn next(&mut self) -> Result<Option<Values>, Error> {
+        if self.done == self.count {
+            return self.stream.finish().map(|()| None);
+        }
+        with_element!(self.element, self.endian, convert => Ok(Some(self.read(convert)?.into())))
+    }
+
+    fn held(&self) -> usize {
+        let bytes = self.stream.remaining().unwrap_or(0);
+        self.count.min(usize::try_from(bytes).unwrap_or(usize::MAX) / self.element.size())
     }
 }
 

@@ -1,10 +1,15 @@
 //! Volume files: in a path, out values x fastest on a grid with its world frame.
+//!
+//! Every format reads its header into an `Unread`: the lattice, the frame, and the values in slabs
+//! that are still to be read. What is done with the slabs is the same for all of them.
 
+mod contents;
 mod decode;
 mod nifti;
 mod nifti_affine;
 mod npy;
 mod nrrd;
+mod options;
 mod values;
 
 use std::path::Path;
@@ -13,10 +18,11 @@ use shrouds::volume::Filler;
 use shrouds::{Grid, Occupancy, Select};
 
 use crate::error::Error;
-use crate::stream::{Progress, Stream};
-use crate::volume::decode::Elements;
+use crate::stream::Stream;
 
+pub use contents::{Contents, Segment};
 pub use npy::write_npy;
+pub use options::{Axes, VolumeOptions};
 pub use values::Values;
 
 /// The values of a volume file on their lattice.
@@ -28,6 +34,19 @@ pub struct Volume {
     pub values: Values,
     /// What the world coordinates mean.
     pub frame: Frame,
+    /// What else the file holds.
+    pub contents: Contents,
+}
+
+/// The lattice points of a volume file that were selected.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Selected {
+    /// The selected points, with the lattice.
+    pub occupancy: Occupancy,
+    /// What the world coordinates mean.
+    pub frame: Frame,
+    /// What else the file holds.
+    pub contents: Contents,
 }
 
 impl Volume {
@@ -55,39 +74,6 @@ pub struct Frame {
 impl Frame {
     fn new(name: impl Into<String>, unit: impl Into<String>, source: &'static str) -> Self {
         Self { name: name.into(), unit: unit.into(), source }
-    }
-}
-
-/// Order of the axes in files that do not name them (NPY).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Axes {
-    /// The array is indexed `[z, y, x]`.
-    #[default]
-    Zyx,
-    /// The array is indexed `[x, y, z]`.
-    Xyz,
-}
-
-/// How to read a volume file.
-#[derive(Clone, Copy, Default)]
-pub struct VolumeOptions<'a> {
-    /// Order of the axes of an NPY array; other formats name their axes. Default `[z, y, x]`.
-    pub axes: Axes,
-    /// Distance between lattice points along x, y, z. Given, it replaces the whole frame of the
-    /// file but its unit: first point at the origin, axes along those of the world. Default: what
-    /// the file says; 1 for NPY, which says nothing.
-    pub spacing: Option<[f64; 3]>,
-    /// Called while the file is read, at least every few megabytes. Default: nothing.
-    pub progress: Option<Progress<'a>>,
-}
-
-impl std::fmt::Debug for VolumeOptions<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("VolumeOptions")
-            .field("axes", &self.axes)
-            .field("spacing", &self.spacing)
-            .field("progress", &self.progress.is_some())
-            .finish()
     }
 }
 
@@ -131,27 +117,50 @@ pub fn volume_format(path: impl AsRef<Path>) -> Result<VolumeFormat, Error> {
     })
 }
 
-/// Reads a volume: NPY, NIfTI or NRRD, by the extension of `path`.
+/// Reads a volume in the format that the extension of `path` names.
 ///
 /// # Errors
 /// [`Error::Extension`] for an unknown extension, [`Error::Io`] when the file cannot be read,
 /// [`Error::Content`] when it is of another kind than its extension says, [`Error::Header`],
-/// [`Error::Truncated`] and [`Error::Gzip`] when it is damaged, [`Error::Unsupported`] when it is
-/// sound but not a three-dimensional array of real numbers, [`Error::Lattice`] when its dimensions
-/// or its frame make no lattice.
+/// [`Error::Truncated`] and [`Error::Compressed`] when it is damaged, [`Error::Unsupported`] when it
+/// is sound but not a three-dimensional array of real numbers, [`Error::Choice`] when it holds several
+/// volumes and the options do not name one of them, [`Error::Lattice`] when its dimensions or its
+/// frame make no lattice.
 pub fn read_volume(path: impl AsRef<Path>, options: &VolumeOptions) -> Result<Volume, Error> {
-    let Unread { grid, frame, elements, z_fastest, scaling } = open(path.as_ref(), options)?;
-    let values = elements.values()?;
-    let values = match scaling {
-        Some((slope, shift)) => values.scaled(slope, shift),
-        None => values,
-    };
+    let path = path.as_ref();
+    let Unread { grid, frame, contents, mut slabs, z_fastest, scaling } = open(path, options)?;
+    if contents.layers > 1 && options.layer.is_none() {
+        return Err(no_layer(path, &contents));
+    }
+    let mut values: Option<Values> = None;
+    while let Some(slab) = slabs.next()? {
+        let slab = match scaling {
+            Some((slope, shift)) => slab.scaled(slope, shift),
+            None => slab,
+        };
+        match &mut values {
+            Some(values) => values.append(slab),
+            None => {
+                let more = slabs.held().saturating_sub(slab.len());
+                let first = values.insert(slab);
+                if !first.reserve(more) {
+                    let what = format!(
+                        "a volume of {grid_points} voxels, more than memory can hold,",
+                        grid_points = grid.point_count()
+                    );
+                    return Err(Error::unsupported(path, what, "crop or downsample it first"));
+                }
+            }
+        }
+    }
+    let values = values.unwrap_or(Values::U8(Vec::new()));
     let values = if z_fastest { values.with_axes_reversed(grid.dims()) } else { values };
-    Ok(Volume { grid, values, frame })
+    Ok(Volume { grid, values, frame, contents })
 }
 
 /// Reads a volume as [`read_volume`] does, but keeps of every value only whether `select` chooses
-/// it: an eighth of a byte.
+/// it: an eighth of a byte. Of several layers of segments, unless the options name one, the points
+/// that are chosen in any of them.
 ///
 /// # Errors
 /// As for [`read_volume`]; [`Error::Values`] when a value is not a number.
@@ -159,36 +168,99 @@ pub fn read_occupancy(
     path: impl AsRef<Path>,
     options: &VolumeOptions,
     select: &Select,
-) -> Result<(Occupancy, Frame), Error> {
+) -> Result<Selected, Error> {
     let path = path.as_ref();
-    let Unread { grid, frame, elements, z_fastest, scaling } = open(path, options)?;
-    let filler = if z_fastest { Filler::z_fastest } else { Filler::new };
-    let mut filler = filler(grid, select.clone());
-    elements.fill(&mut filler, scaling)?;
-    let volume = filler.finish().map_err(|cause| Error::Values { path: path.into(), cause })?;
-    Ok((volume, frame))
+    let first = open(path, options)?;
+    let layers = first.contents.layers;
+    if layers == 1 || options.layer.is_some() {
+        return fill(path, first, select);
+    }
+    if first.contents.segments.is_empty() {
+        return Err(no_layer(path, &first.contents));
+    }
+    let mut all = fill(path, first, select)?;
+    for layer in 1..layers {
+        let unread = open(path, &VolumeOptions { layer: Some(layer), ..*options })?;
+        all.occupancy.unite(&fill(path, unread, select)?.occupancy);
+    }
+    Ok(all)
+}
+
+/// Reads what a volume file says of itself: lattice, frame and contents, no values.
+///
+/// # Errors
+/// As for [`read_volume`], of what the header alone can tell.
+pub fn read_contents(
+    path: impl AsRef<Path>,
+    options: &VolumeOptions,
+) -> Result<(Grid, Frame, Contents), Error> {
+    let Unread { grid, frame, contents, .. } = open(path.as_ref(), options)?;
+    Ok((grid, frame, contents))
 }
 
 /// A volume file whose header has been read.
 struct Unread<'a> {
     grid: Grid,
     frame: Frame,
-    elements: Elements<'a>,
-    /// Elements come z fastest, not x fastest.
+    contents: Contents,
+    /// The values of the layer that the options name, or of the first.
+    slabs: Box<dyn Slabs + 'a>,
+    /// Values come z fastest, not x fastest.
     z_fastest: bool,
-    /// Slope and shift from elements to values, if they change anything.
+    /// Slope and shift from stored values to those that are meant, if they change anything.
     scaling: Option<(f64, f64)>,
+}
+
+/// The values of a lattice, read piece by piece.
+///
+/// What a header promises is no reason to take memory: pieces grow with the bytes that are there.
+trait Slabs {
+    /// The next values in the order of the file, whole rows of its fastest axis and at most a few
+    /// megabytes or one slice; `None` after the last, when all checksums are right. Every piece is
+    /// of the same type.
+    fn next(&mut self) -> Result<Option<Values>, Error>;
+
+    /// Values that are certainly there and worth making room for at once.
+    fn held(&self) -> usize {
+        0
+    }
+}
+
+/// Puts all values of a lattice on their sides.
+fn fill(path: &Path, unread: Unread, select: &Select) -> Result<Selected, Error> {
+    let Unread { grid, frame, contents, mut slabs, z_fastest, scaling } = unread;
+    let filler = if z_fastest { Filler::z_fastest } else { Filler::new };
+    let mut filler = filler(grid, select.clone());
+    while let Some(slab) = slabs.next()? {
+        match scaling {
+            Some((slope, shift)) => slab.scaled(slope, shift).push_to(&mut filler),
+            None => slab.push_to(&mut filler),
+        }
+    }
+    let volume = filler.finish().map_err(|cause| Error::Values { path: path.into(), cause })?;
+    Ok(Selected { occupancy: volume, frame, contents })
 }
 
 fn open<'a>(path: &'a Path, options: &VolumeOptions<'a>) -> Result<Unread<'a>, Error> {
     let format = volume_format(path)?;
-    let stream = Stream::open(path, options.progress)?;
-    match format {
-        VolumeFormat::Npy => npy::open(stream, options),
-        VolumeFormat::Nifti => nifti::open(stream, options),
-        VolumeFormat::NiftiGz => nifti::open_compressed(stream, options),
-        VolumeFormat::Nrrd => nrrd::open(stream, options),
+    let stream = || Stream::open(path, options.progress);
+    let unread = match format {
+        VolumeFormat::Npy => npy::open(stream()?, options),
+        VolumeFormat::Nifti => nifti::open(stream()?, options),
+        VolumeFormat::NiftiGz => nifti::open_compressed(stream()?, options),
+        VolumeFormat::Nrrd => nrrd::open(stream()?, options),
+    }?;
+    match options.layer {
+        Some(layer) if layer >= unread.contents.layers => Err(no_layer(path, &unread.contents)),
+        _ => Ok(unread),
     }
+}
+
+/// That the options name no layer of the file.
+fn no_layer(path: &Path, contents: &Contents) -> Error {
+    let last = contents.layers - 1;
+    let choices = if last == 0 { "frame 0 only".into() } else { format!("frames 0 to {last}") };
+    Error::Choice { path: path.into(), choices }
 }
 
 /// The lattice with the affine of the file, or with the spacing that the caller gave instead.

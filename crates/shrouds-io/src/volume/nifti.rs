@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::stream::Stream;
 use crate::volume::decode::{Element, Elements, Endian};
 use crate::volume::nifti_affine::Placement;
-use crate::volume::{Unread, VolumeOptions, lattice};
+use crate::volume::{Contents, Unread, VolumeOptions, lattice};
 
 /// Bytes of a NIfTI-1 and a NIfTI-2 header; also the number each begins with.
 const SIZES: [usize; 2] = [348, 540];
@@ -62,8 +62,10 @@ pub(super) fn open<'a>(
     let (grid, frame) = lattice(path, dims, affine, frame, options)?;
     stream.skip(data_offset(path, &header)? - used as u64)?;
     let scaling = scaling(path, &header)?;
-    let elements = Elements { stream, element, endian: header.endian, count: grid.point_count() };
-    Ok(Unread { grid, frame, elements, z_fastest: false, scaling })
+    let count = grid.point_count();
+    let slabs = Box::new(Elements::new(stream, element, header.endian, count, dims[0]));
+    let contents = Contents::default();
+    Ok(Unread { grid, frame, contents, slabs, z_fastest: false, scaling })
 }
 
 /// Where the data starts. Files that say 0 mean right after the header.

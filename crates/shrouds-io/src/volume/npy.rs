@@ -10,7 +10,7 @@ use crate::atomic::write_atomically;
 use crate::error::Error;
 use crate::stream::Stream;
 use crate::volume::decode::{Element, Elements, Endian};
-use crate::volume::{Axes, Frame, Unread, VolumeOptions, affine_of, diagonal, lattice};
+use crate::volume::{Axes, Contents, Frame, Unread, VolumeOptions, affine_of, diagonal, lattice};
 
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
 /// Longest header that is read: NumPy itself stops at 10 000 bytes.
@@ -38,8 +38,10 @@ pub(super) fn open<'a>(
     let affine = affine_of(diagonal([1.0; 3]), [0.0; 3]);
     let (grid, frame) = lattice(path, dims, affine, frame, options)?;
     let (element, endian, count) = (header.element, header.endian, grid.point_count());
-    let elements = Elements { stream, element, endian, count };
-    Ok(Unread { grid, frame, elements, z_fastest: !x_fastest, scaling: None })
+    let row = if x_fastest { dims[0] } else { dims[2] };
+    let slabs = Box::new(Elements::new(stream, element, endian, count, row));
+    let contents = Contents::default();
+    Ok(Unread { grid, frame, contents, slabs, z_fastest: !x_fastest, scaling: None })
 }
 
 /// Writes a volume as a `uint8` array of 0 and 1, indexed `[z, y, x]` in C order. The frame of the

@@ -9,7 +9,7 @@ use std::path::Path;
 use crate::error::Error;
 use crate::stream::Stream;
 use crate::volume::decode::{Element, Elements, Endian};
-use crate::volume::{Frame, Unread, VolumeOptions, affine_of, diagonal, lattice};
+use crate::volume::{Contents, Frame, Unread, VolumeOptions, affine_of, diagonal, lattice};
 
 /// Longest line and most lines that are read: 3D Slicer keeps tables of segments in its headers.
 const MAX_LINE: u64 = 1 << 20;
@@ -31,8 +31,9 @@ pub(super) fn open<'a>(
     let (affine, frame) = placement(path, &fields)?;
     let (grid, frame) = lattice(path, dims, affine, frame, options)?;
     let stream = if gzip { stream.unpacked() } else { stream };
-    let elements = Elements { stream, element, endian, count: grid.point_count() };
-    Ok(Unread { grid, frame, elements, z_fastest: false, scaling: None })
+    let slabs = Box::new(Elements::new(stream, element, endian, grid.point_count(), dims[0]));
+    let contents = Contents::default();
+    Ok(Unread { grid, frame, contents, slabs, z_fastest: false, scaling: None })
 }
 
 fn read_fields(stream: &mut Stream) -> Result<Fields, Error> {

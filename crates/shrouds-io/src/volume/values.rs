@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use shrouds::volume::Voxel;
+use shrouds::volume::{Filler, Voxel};
 use shrouds::{Grid, Occupancy, Select};
 
 /// Labels counted in a table: those of every 8-bit and 16-bit type.
@@ -104,6 +104,34 @@ impl Values {
     /// [`shrouds::Error::NotANumber`] when a value is not a number.
     pub fn occupancy(&self, grid: Grid, select: &Select) -> Result<Occupancy, shrouds::Error> {
         with_values!(self, v => Occupancy::from_values(grid, v, select))
+    }
+
+    /// Appends values of the same type.
+    ///
+    /// # Panics
+    /// When the types differ.
+    pub(super) fn append(&mut self, more: Self) {
+        macro_rules! append_same {
+            ($($variant:ident),*) => {
+                match (self, more) {
+                    $((Self::$variant(values), Self::$variant(more)) => values.extend(more),)*
+                    (values, more) => {
+                        panic!("{} after {}", more.type_name(), values.type_name())
+                    }
+                }
+            };
+        }
+        append_same!(Bool, U8, I8, U16, I16, U32, I32, U64, I64, F32, F64);
+    }
+
+    /// Makes room for `count` more values; whether there is room.
+    pub(super) fn reserve(&mut self, count: usize) -> bool {
+        with_values!(self, v => v.try_reserve_exact(count).is_ok())
+    }
+
+    /// Hands the values to `filler`.
+    pub(super) fn push_to(&self, filler: &mut Filler) {
+        with_values!(self, v => filler.push_rows(v));
     }
 
     /// `slope · value + shift` for every value.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use flate2::{Compression, write::GzEncoder};
 use shrouds::Select;
-use shrouds_io::{Error, Values, Volume, VolumeOptions, read_occupancy, read_volume};
+use shrouds_io::{Error, Selected, Values, Volume, VolumeOptions, read_occupancy, read_volume};
 use tempfile::TempDir;
 
 /// A number that files store.
@@ -144,7 +144,10 @@ pub(crate) fn read_both(path: &Path, options: &VolumeOptions) -> Result<Volume, 
         match &volume {
             Err(error) => assert_eq!(bits.unwrap_err().to_string(), error.to_string()),
             Ok(volume) => match volume.occupancy(&select) {
-                Ok(expected) => assert_eq!(bits.unwrap(), (expected, volume.frame.clone())),
+                Ok(occupancy) => {
+                    let (frame, contents) = (volume.frame.clone(), volume.contents.clone());
+                    assert_eq!(bits.unwrap(), Selected { occupancy, frame, contents });
+                }
                 Err(error) => {
                     let expected = format!("{}: {error}", path.display());
                     assert_eq!(bits.unwrap_err().to_string(), expected);

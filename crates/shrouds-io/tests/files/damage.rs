@@ -113,7 +113,10 @@ fn absurd_headers_fail_before_memory_does() {
     ];
     for (name, bytes) in files {
         let refusal = folder.refusal(name, &bytes);
-        let expected = "expected 216000000000000 bytes of voxel data, found 48";
+        let expected = match name {
+            "a.nii.gz" | "b.nrrd" => "it promises 216000000000000 bytes of voxels, more than",
+            _ => "expected 216000000000000 bytes of voxel data, found 48",
+        };
         assert!(refusal.contains(expected), "{refusal}");
     }
     let many = usize::MAX;

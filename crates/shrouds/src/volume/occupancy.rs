@@ -116,6 +116,15 @@ impl Occupancy {
         &self.words[start..start + self.words_per_row]
     }
 
+    /// Puts every lattice point inside that is inside `other`.
+    ///
+    /// # Panics
+    /// When the dimensions differ.
+    pub fn unite(&mut self, other: &Self) {
+        assert_eq!(self.grid.dims(), other.grid.dims(), "volumes of different dimensions");
+        self.words.iter_mut().zip(&other.words).for_each(|(word, more)| *word |= more);
+    }
+
     /// The words of all rows one after another, and how many make a row.
     pub(crate) fn words(&self) -> (&[u64], usize) {
         (&self.words, self.words_per_row)

@@ -1,0 +1,33 @@
+//! What a volume file holds besides the values of one lattice.
+
+/// What a volume file holds besides the values of one lattice.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contents {
+    /// Volumes on the same lattice: frames of a series, channels, or layers of segments.
+    pub layers: usize,
+    /// The segments that the file names, in its order.
+    pub segments: Vec<Segment>,
+    /// Names of the arrays to choose from with [`VolumeOptions::array`](crate::VolumeOptions::array),
+    /// if there are several.
+    pub arrays: Vec<String>,
+    /// What is doubtful about the file, and what was done about it.
+    pub warnings: Vec<String>,
+}
+
+impl Default for Contents {
+    fn default() -> Self {
+        Self { layers: 1, segments: Vec::new(), arrays: Vec::new(), warnings: Vec::new() }
+    }
+}
+
+/// A named part of a segmentation.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Segment {
+    /// Its name in the file.
+    pub name: String,
+    /// The value of its voxels.
+    pub label: i128,
+    /// The layer those voxels are in. Segments of different layers may overlap, and have the same
+    /// label.
+    pub layer: usize,
+}
