@@ -42,6 +42,31 @@ pub(crate) fn name(choice: FrameChoice, world: &Frame) -> Frame {
     }
 }
 
+/// The directions in the patient towards which x, y and z grow: one of R and L, A and P, S and I for
+/// each axis, the nearest; nothing where the world is no patient.
+pub(crate) fn orientation(grid: &Grid, frame: &Frame) -> Option<String> {
+    let signs = match frame.name.as_str() {
+        "RAS" => [1.0, 1.0, 1.0],
+        "LPS" => [-1.0, -1.0, 1.0],
+        "LAS" => [-1.0, 1.0, 1.0],
+        _ => return None,
+    };
+    const LETTERS: [[char; 2]; 3] = [['R', 'L'], ['A', 'P'], ['S', 'I']];
+    let (affine, spacing) = (grid.affine(), grid.spacing());
+    let cosine = |row: usize, axis: usize| signs[row] * affine[row][axis] / spacing[axis];
+    let mut pairs: Vec<(usize, usize)> = (0..9).map(|n| (n / 3, n % 3)).collect();
+    pairs.sort_by(|&(a, b), &(c, d)| cosine(c, d).abs().total_cmp(&cosine(a, b).abs()));
+    let mut letters = [' '; 3];
+    let mut taken = [false; 3];
+    for (row, axis) in pairs {
+        if letters[axis] == ' ' && !taken[row] {
+            letters[axis] = LETTERS[row][usize::from(cosine(row, axis) < 0.0)];
+            taken[row] = true;
+        }
+    }
+    Some(letters.iter().collect())
+}
+
 /// How to write a mesh whose lattice has this smallest spacing, and a warning where the format has
 /// too few digits.
 pub(crate) fn mesh_options(
@@ -100,6 +125,19 @@ mod tests {
             let third = 1.0 / 3f32.sqrt();
             assert!(mesh.normals[0].iter().all(|x| (x - third).abs() < 1e-6), "{mirror}");
         }
+    }
+
+    #[test]
+    fn axes_are_named_after_the_nearest_direction() {
+        let affine = [[-0.9, 0.2, 0.1, 12.0], [0.1, 0.3, -1.1, -40.0], [0.2, 2.5, 0.1, 7.5]];
+        let grid = Grid::with_affine([4; 3], affine).unwrap();
+        let code = |name: &str| {
+            let frame = Frame { name: name.into(), unit: "mm".into(), source: "options" };
+            orientation(&grid, &frame)
+        };
+        assert_eq!(code("RAS").as_deref(), Some("LSP"));
+        assert_eq!(code("LPS").as_deref(), Some("RSA"));
+        assert_eq!(code("index"), None);
     }
 
     #[test]

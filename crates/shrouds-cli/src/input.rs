@@ -4,16 +4,17 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use shrouds::{Occupancy, Select};
-use shrouds_io::{Frame, Volume, mesh_format, read_occupancy, read_volume, volume_format};
+use shrouds_io::{
+    Contents, Frame, Selected, Volume, VolumeOptions, mesh_format, read_contents, read_occupancy,
+    read_volume, volume_format,
+};
 
 use crate::args::VolumeArgs;
 use crate::console::{Console, number};
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::settings::{select, volume_options};
-
-/// Most labels that a message lists.
-const LISTED: usize = 20;
+use crate::selection::{Selection, list};
+use crate::settings::volume_options;
 
 /// An enumerated volume and where it comes from.
 pub(crate) struct Source {
@@ -47,15 +48,73 @@ pub(crate) fn kind(path: &Path) -> Result<Kind, Failure> {
     }
 }
 
-/// Reads a volume file.
+/// What a volume file says of itself; tells what is doubtful about it.
+pub(crate) fn contents(
+    path: &Path,
+    args: &VolumeArgs,
+    console: Console,
+) -> Result<Contents, Failure> {
+    let (_, _, contents) = read_contents(path, &volume_options(args, &|_, _| {}))?;
+    for warning in &contents.warnings {
+        console.warn(&format!("{}: {warning}", path.display()));
+    }
+    Ok(contents)
+}
+
+/// Reads one layer of a volume file.
 pub(crate) fn volume(
     path: &Path,
     args: &VolumeArgs,
+    layer: Option<usize>,
     progress: &Progress,
 ) -> Result<Volume, Failure> {
     progress.stage("reading");
     let report = |done, bytes| progress.read(done, bytes);
-    Ok(read_volume(path, &volume_options(args, &report))?)
+    let options = volume_options(args, &report);
+    Ok(read_volume(path, &VolumeOptions { layer, ..options })?)
+}
+
+/// Reads a volume file and selects what is inside, possibly nothing.
+pub(crate) fn selected(
+    path: &Path,
+    args: &VolumeArgs,
+    selection: &Selection,
+    console: Console,
+    progress: &Progress,
+) -> Result<Selected, Failure> {
+    let mut all: Option<Selected> = None;
+    for (layer, select) in &selection.parts {
+        let part = layer_part(path, args, selection, (*layer, select), console, progress)?;
+        match &mut all {
+            Some(all) => all.occupancy.unite(&part.occupancy),
+            None => all = Some(part),
+        }
+    }
+    all.ok_or_else(|| Failure::Undone(format!("{}: nothing is selected", path.display())))
+}
+
+/// What is selected in one layer.
+fn layer_part(
+    path: &Path,
+    args: &VolumeArgs,
+    selection: &Selection,
+    (layer, select): (Option<usize>, &Select),
+    console: Console,
+    progress: &Progress,
+) -> Result<Selected, Failure> {
+    // Of several labels some may be missing; to say so takes all values.
+    if selection.has_several_labels() {
+        let volume = volume(path, args, layer, progress)?;
+        if let Some(missing) = missing_labels(&volume, select) {
+            console.warn(&format!("{}: {missing}", path.display()));
+        }
+        let occupancy = occupancy(path, &volume, select)?;
+        return Ok(Selected { occupancy, frame: volume.frame, contents: volume.contents });
+    }
+    progress.stage("reading");
+    let report = |done, bytes| progress.read(done, bytes);
+    let options = volume_options(args, &report);
+    Ok(read_occupancy(path, &VolumeOptions { layer, ..options }, select)?)
 }
 
 /// Reads a volume file and selects what is inside; nothing inside is a failure.
@@ -66,30 +125,17 @@ pub(crate) fn source(
     progress: &Progress,
 ) -> Result<Source, Failure> {
     let start = Instant::now();
-    let select = select(args);
-    // Of several labels some may be missing; to say so, and why nothing is inside, takes all values.
-    let several = matches!(&select, Select::Labels(wanted) if wanted.len() > 1);
-    let whole = if several { Some(volume(path, args, progress)?) } else { None };
-    let (occupancy, frame) = match &whole {
-        Some(volume) => (occupancy(path, volume, &select)?, volume.frame.clone()),
-        None => {
-            progress.stage("reading");
-            let report = |done, bytes| progress.read(done, bytes);
-            let selected = read_occupancy(path, &volume_options(args, &report), &select)?;
-            (selected.occupancy, selected.frame)
-        }
-    };
+    let contents = contents(path, args, console)?;
+    let selection = Selection::new(path, args, &contents)?;
+    let Selected { occupancy, frame, .. } = selected(path, args, &selection, console, progress)?;
     if occupancy.count() == 0 {
-        let volume = whole.map_or_else(|| volume(path, args, progress), Ok)?;
-        return Err(Failure::Undone(format!("{}: {}", path.display(), nothing(&volume, &select))));
-    }
-    if let Some(missing) = whole.and_then(|volume| missing_labels(&volume, &select)) {
-        console.warn(&format!("{}: {missing}", path.display()));
+        let (layer, select) = &selection.parts[0];
+        let volume = volume(path, args, layer.or(args.layer()).or(Some(0)), progress)?;
+        return Err(Failure::Undone(format!("{}: {}", path.display(), nothing(&volume, select))));
     }
     let seconds = start.elapsed().as_secs_f64();
-    let selection = in_words(&select);
     let (path, truth) = (path.into(), [None; 2]);
-    Ok(Source { path, selection, occupancy, frame, truth, seconds })
+    Ok(Source { path, selection: selection.words, occupancy, frame, truth, seconds })
 }
 
 /// The inside points of a volume, possibly none.
@@ -101,15 +147,6 @@ pub(crate) fn occupancy(
     volume
         .occupancy(select)
         .map_err(|error| Failure::Undone(format!("{}: {error}", path.display())))
-}
-
-/// The selection as a person would say it.
-pub(crate) fn in_words(select: &Select) -> String {
-    match select {
-        Select::NonZero => "all but 0".into(),
-        Select::Above(level) => format!("above {}", number(*level)),
-        Select::Labels(labels) => list(labels),
-    }
 }
 
 /// Why nothing is inside, and what to do.
@@ -131,31 +168,25 @@ fn nothing(volume: &Volume, select: &Select) -> String {
                 Some(present) => format!("the labels of the file are {}", labels_in(&present)),
                 None => format!("the values are no labels, {range}"),
             };
-            let wanted = list(labels);
+            let wanted = list(labels.iter().map(i128::to_string));
             format!("nothing is inside: no voxel has label {wanted}; {present}: change --label")
         }
     }
 }
 
-/// Which of the selected labels no voxel has.
+/// Which of the selected labels no voxel has, if some voxel has another of them.
 fn missing_labels(volume: &Volume, select: &Select) -> Option<String> {
     let Select::Labels(wanted) = select else { return None };
     let present = volume.values.labels()?;
-    let has = |label: &i128| present.binary_search_by_key(label, |(label, _)| *label).is_ok();
-    let missing: Vec<i128> = wanted.iter().copied().filter(|label| !has(label)).collect();
-    let present = labels_in(&present);
-    (!missing.is_empty()).then(|| {
-        format!("no voxel has label {}; the labels of the file are {present}", list(&missing))
-    })
+    let has = |label: &&i128| present.binary_search_by_key(*label, |(label, _)| *label).is_ok();
+    let missing: Vec<&i128> = wanted.iter().filter(|label| !has(label)).collect();
+    if missing.is_empty() || missing.len() == wanted.len() {
+        return None;
+    }
+    let (missing, present) = (list(missing.iter().map(|l| l.to_string())), labels_in(&present));
+    Some(format!("no voxel has label {missing}; the labels of the file are {present}"))
 }
 
 fn labels_in(present: &[(i128, u64)]) -> String {
-    list(&present.iter().map(|(label, _)| *label).collect::<Vec<_>>())
-}
-
-fn list(labels: &[i128]) -> String {
-    let shown: Vec<String> = labels.iter().take(LISTED).map(i128::to_string).collect();
-    let more = labels.len() - shown.len();
-    let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
-    shown.join(", ") + &rest
+    list(present.iter().map(|(label, _)| label.to_string()))
 }

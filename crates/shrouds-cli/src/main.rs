@@ -17,6 +17,7 @@ mod picture;
 mod phantom;
 mod progress;
 mod report;
+mod selection;
 mod settings;
 mod truth;
 mod vector;

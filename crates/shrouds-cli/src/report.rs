@@ -60,11 +60,11 @@ pub(crate) struct Solver {
     pub(crate) projected_gradient: f64,
     /// In grid edge lengths.
     pub(crate) projected_step: RmsMax,
-    /// Share of the vertices at a bound, 0 to 1.
     /// What a vertex can gain at most by moving alone.
     largest_gain: f64,
     /// How far above the minimum the energy can be; null where that is not known.
     energy_gap: Option<f64>,
+    /// Share of the vertices at a bound, 0 to 1.
     pub(crate) at_bound: f64,
     pub(crate) rounds: Vec<RoundReport>,
     /// Those of the surface's components, where they are kept.

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use shrouds::mesh::{MeshKind, Triangles};
 use shrouds::volume::{self, FaceRule};
-use shrouds::{Select, Settings, optimize};
+use shrouds::{Settings, optimize};
 use shrouds_io::{Progress, VolumeOptions};
 
 use crate::args::{
@@ -209,25 +209,19 @@ pub(crate) fn border(border: Border) -> volume::Border {
     }
 }
 
-/// Which voxels are inside.
-pub(crate) fn select(args: &VolumeArgs) -> Select {
-    match args.threshold {
-        Some(level) => Select::Above(level),
-        None if args.labels.is_empty() => Select::NonZero,
-        None => Select::Labels(args.labels.clone()),
-    }
-}
-
 /// How the file is read.
-pub(crate) fn volume_options<'a>(args: &VolumeArgs, progress: Progress<'a>) -> VolumeOptions<'a> {
+pub(crate) fn volume_options<'a>(
+    args: &'a VolumeArgs,
+    progress: Progress<'a>,
+) -> VolumeOptions<'a> {
     VolumeOptions {
         axes: match args.axes {
             Axes::Zyx => shrouds_io::Axes::Zyx,
             Axes::Xyz => shrouds_io::Axes::Xyz,
         },
         spacing: args.spacing,
-        layer: None,
-        array: None,
+        layer: args.layer(),
+        array: args.array.as_deref(),
         progress: Some(progress),
     }
 }

@@ -5,7 +5,6 @@ use std::str::FromStr;
 
 use clap::Args;
 
-use crate::args::shroud::FrameArgs;
 use crate::args::{ShroudArgs, VolumeArgs};
 
 pub(crate) const POLYGON_HELP: &str = "\
@@ -33,8 +32,6 @@ pub(crate) struct PolygonArgs {
     pub(crate) volume: VolumeArgs,
     #[command(flatten)]
     pub(crate) shroud: ShroudArgs,
-    #[command(flatten)]
-    pub(crate) frame: FrameArgs,
 }
 
 /// A slice of a volume.

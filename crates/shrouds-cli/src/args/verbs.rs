@@ -99,8 +99,6 @@ pub(crate) struct MeshArgs {
     pub(crate) volume: VolumeArgs,
     #[command(flatten)]
     pub(crate) shroud: ShroudArgs,
-    #[command(flatten)]
-    pub(crate) frame: FrameArgs,
 }
 
 #[derive(Args)]
@@ -122,8 +120,6 @@ pub(crate) struct CheckArgs {
     /// Print the certificate as JSON
     #[arg(long)]
     pub(crate) json: bool,
-    #[command(flatten)]
-    pub(crate) frame: FrameArgs,
     #[command(flatten)]
     pub(crate) selection: VolumeArgs,
 }

@@ -1,24 +1,115 @@
 //! How a volume file is read, and which of its voxels are inside.
 
+use std::str::FromStr;
+
 use clap::Args;
 
-use crate::args::{Axes, values};
+use crate::args::{Axes, FrameChoice, values};
+use crate::failure::Failure;
 
-#[derive(Args)]
+#[derive(Args, Clone)]
 #[command(next_help_heading = "Volume")]
 pub(crate) struct VolumeArgs {
-    /// Inside are the voxels with this label; repeat it for several [default: all but 0]
-    #[arg(long = "label", value_name = "N", allow_negative_numbers = true)]
-    pub(crate) labels: Vec<i128>,
+    /// Inside are the voxels with this label, a number or the name of a segment where the file has
+    /// names; repeat it for several [default: all but 0]
+    #[arg(long = "label", value_name = "LABEL", allow_negative_numbers = true)]
+    pub(crate) labels: Vec<String>,
     /// Inside are the voxels with a value above this [default: all but 0]
     #[arg(long, value_name = "T", conflicts_with = "labels", allow_negative_numbers = true,
         value_parser = values::finite)]
     pub(crate) threshold: Option<f64>,
-    /// Order of the axes of an NPY array; other formats name their axes
+    /// A number: which volume of a file that holds several, such as the frames of a series, from 0 on.
+    /// A word: the coordinates of the mesh, world for those of the file, in its unit of length, or
+    /// index for voxel indices along x, y, z. Can be given once for each [default: the only one; world]
+    #[arg(long = "frame", value_name = "N|world|index")]
+    frames: Vec<Frame>,
+    /// Which array of a file that holds several, by its name
+    #[arg(long, value_name = "NAME")]
+    pub(crate) array: Option<String>,
+    /// Order of the axes of a NumPy array; other formats name their axes
     #[arg(long, value_enum, default_value_t = Axes::Zyx)]
     pub(crate) axes: Axes,
     /// Distance of the voxels along x, y, z in the unit of the file; replaces the whole frame of the
-    /// file, origin and directions too [default: what the file says; 1,1,1 for NPY]
+    /// file, origin and directions too [default: what the file says; 1,1,1 for NumPy arrays]
     #[arg(long, value_name = "SX,SY,SZ", value_parser = values::spacing)]
     pub(crate) spacing: Option<[f64; 3]>,
+}
+
+/// What `--frame` can be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Frame {
+    Number(usize),
+    Coordinates(FrameChoice),
+}
+
+impl FromStr for Frame {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "world" => Ok(Self::Coordinates(FrameChoice::World)),
+            "index" => Ok(Self::Coordinates(FrameChoice::Index)),
+            _ => text.parse().map(Self::Number).map_err(|_| {
+                "give a whole number from 0 for a frame of the file, or world or index for the \
+                 coordinates of the mesh"
+                    .into()
+            }),
+        }
+    }
+}
+
+impl VolumeArgs {
+    /// The number of the volume in its file, if one was given.
+    pub(crate) fn layer(&self) -> Option<usize> {
+        self.frames.iter().rev().find_map(|frame| match frame {
+            Frame::Number(number) => Some(*number),
+            Frame::Coordinates(_) => None,
+        })
+    }
+
+    /// The coordinates of the mesh.
+    pub(crate) fn coordinates(&self) -> FrameChoice {
+        self.given_coordinates().unwrap_or(FrameChoice::World)
+    }
+
+    fn given_coordinates(&self) -> Option<FrameChoice> {
+        self.frames.iter().rev().find_map(|frame| match frame {
+            Frame::Number(_) => None,
+            Frame::Coordinates(choice) => Some(*choice),
+        })
+    }
+
+    /// Fails when coordinates were chosen for a verb that writes none.
+    pub(crate) fn refuse_coordinates(&self) -> Result<(), Failure> {
+        match self.given_coordinates() {
+            None => Ok(()),
+            Some(_) => Err(Failure::Call(
+                "--frame takes a number here: no coordinates are written; leave world or index out"
+                    .into(),
+            )),
+        }
+    }
+
+    /// Whether the call says anything about a file.
+    pub(crate) fn is_given(&self) -> bool {
+        !self.labels.is_empty()
+            || !self.frames.is_empty()
+            || self.array.is_some()
+            || self.threshold.is_some()
+            || self.spacing.is_some()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_frame_is_a_number_or_coordinates() {
+        assert_eq!("3".parse(), Ok(Frame::Number(3)));
+        assert_eq!("index".parse(), Ok(Frame::Coordinates(FrameChoice::Index)));
+        for text in ["", "-1", "1.5", "World", "lps"] {
+            assert!(text.parse::<Frame>().is_err(), "{text}");
+        }
+    }
 }

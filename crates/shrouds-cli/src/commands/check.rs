@@ -11,13 +11,14 @@ use crate::failure::Failure;
 use crate::input;
 use crate::progress::Progress;
 use crate::report::{Checks, name};
-use crate::settings::{border, face_rule, select};
+use crate::selection::Selection;
+use crate::settings::{border, face_rule};
 
 pub(crate) fn run(args: &CheckArgs, console: Console) -> Result<(), Failure> {
     mesh_format(&args.mesh)?;
     volume_format(&args.volume)?;
     let progress = Progress::new(console.quiet);
-    let volume = volume(args, &progress)?;
+    let volume = volume(args, console, &progress)?;
     progress.stage("reading the mesh");
     let mesh = read_mesh(&args.mesh)?;
     progress.stage("checking");
@@ -39,12 +40,18 @@ pub(crate) fn run(args: &CheckArgs, console: Console) -> Result<(), Failure> {
 }
 
 /// The inside points in the frame of the mesh, possibly none.
-fn volume(args: &CheckArgs, progress: &Progress) -> Result<Occupancy, Failure> {
-    let mut volume = input::volume(&args.volume, &args.selection, progress)?;
-    if args.frame.frame == FrameChoice::Index {
-        volume.grid = Grid::new(volume.grid.dims(), [1.0; 3])?;
+fn volume(args: &CheckArgs, console: Console, progress: &Progress) -> Result<Occupancy, Failure> {
+    let (path, arguments) = (&args.volume, &args.selection);
+    let contents = input::contents(path, arguments, console)?;
+    let selection = Selection::new(path, arguments, &contents)?;
+    let volume = input::selected(path, arguments, &selection, console, progress)?.occupancy;
+    match arguments.coordinates() {
+        FrameChoice::World => Ok(volume),
+        FrameChoice::Index => {
+            let grid = Grid::new(volume.grid().dims(), [1.0; 3])?;
+            Ok(volume.with_grid(grid)?)
+        }
     }
-    input::occupancy(&args.volume, &volume, &select(&args.selection))
 }
 
 fn verdict(args: &CheckArgs, report: &CheckReport) -> Result<(), Failure> {

@@ -17,7 +17,7 @@ use crate::work::{Outputs, produce};
 
 pub(crate) fn run(args: &MeshArgs, console: Console) -> Result<(), Failure> {
     let start = Instant::now();
-    let job = Job::new(&args.shroud, args.frame.frame)?;
+    let job = Job::new(&args.shroud, args.volume.coordinates())?;
     let outputs = Outputs {
         mesh: &args.output,
         picture: args.picture.as_deref(),

@@ -156,7 +156,7 @@ fn job(args: &PolygonArgs) -> Result<Job, Failure> {
     if shroud.solve.solver == crate::args::Solver::Newton && shroud.crease.is_none() {
         shroud.solve.preset = shroud.solve.preset.or(Some(Preset::Exact));
     }
-    Job::new(&shroud, args.frame.frame)
+    Job::new(&shroud, args.volume.coordinates())
 }
 
 fn format(path: &Path) -> Result<Format, Failure> {

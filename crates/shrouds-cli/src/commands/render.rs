@@ -15,6 +15,7 @@ use crate::settings::Job;
 use crate::work;
 
 pub(crate) fn run(args: &RenderArgs, console: Console) -> Result<(), Failure> {
+    args.volume.refuse_coordinates()?;
     let job = Job::new(&args.shroud, FrameChoice::World)?;
     let kind = input::kind(&args.input)?;
     check_network(args, kind)?;

@@ -63,10 +63,10 @@ impl<R: Real> Newton<R> {
     ) -> Option<Step> {
         self.workspace.solve(&self.model, problem.network, &room(problem, x), effort);
         let [low, high] = problem.bounds.map(R::to_f64);
-        let awkward = match effort.repairs && effort.converges {
-            true => self.awkward(problem, x),
-            false => Vec::new(),
-        };
+        let mut awkward = Vec::new();
+        if effort.converges {
+            awkward = self.awkward(problem, x);
+        }
         for part in effort.parts {
             let mut together = x.clone();
             parallel::update_blocks(&mut together, NONE, |first, together, []| {
@@ -81,6 +81,10 @@ impl<R: Real> Newton<R> {
             let value = self.model.linearise(problem, &together);
             if value.all < energy.all + univariate::ROUNDING * energy.all.abs() {
                 return Some(Step::to(value, x, together));
+            }
+            if effort.converges {
+                // What went wrong shows where the step ended.
+                awkward = self.awkward(problem, &together);
             }
         }
         // The model misled the step somewhere. Alone, every vertex with a slope left can go down.

@@ -84,6 +84,18 @@ impl Occupancy {
         &self.grid
     }
 
+    /// The same points on another lattice of the same dimensions.
+    ///
+    /// # Errors
+    /// [`Error::Length`] when the dimensions differ.
+    pub fn with_grid(self, grid: Grid) -> Result<Self, Error> {
+        let (dims, points) = (grid.dims(), grid.point_count());
+        if dims != self.grid.dims() {
+            return Err(Error::Length { values: self.grid.point_count(), dims, points });
+        }
+        Ok(Self { grid, ..self })
+    }
+
     /// Whether lattice point `[i, j, k]` is inside.
     ///
     /// # Panics

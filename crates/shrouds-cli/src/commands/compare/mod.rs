@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::args::{CompareArgs, FrameChoice, Preset, SolveArgs, Solver, VolumeArgs};
+use crate::args::{CompareArgs, FrameChoice, Preset, SolveArgs, Solver};
 use crate::console::{Console, print_json};
 use crate::energies;
 use crate::failure::Failure;
@@ -135,12 +135,12 @@ impl Candidate {
 
 /// The name of the phantom, if the input is one.
 fn phantom_name(args: &CompareArgs) -> Result<Option<&str>, Failure> {
+    args.volume.refuse_coordinates()?;
     let name = args.input.to_str().and_then(|input| input.strip_prefix(PHANTOM));
-    let VolumeArgs { labels, threshold, spacing, .. } = &args.volume;
     let misplaced = match name {
         None if args.size.is_some() => Some("--size is for phantoms, demo:NAME"),
-        Some(_) if !labels.is_empty() || threshold.is_some() || spacing.is_some() => {
-            Some("--label, --threshold and --spacing are for files")
+        Some(_) if args.volume.is_given() => {
+            Some("--label, --threshold, --frame, --array and --spacing are for files")
         }
         _ => None,
     };
