@@ -9,8 +9,11 @@ mod nifti;
 mod nifti_affine;
 mod npy;
 mod nrrd;
+mod nrrd_space;
+mod nrrd_write;
 mod options;
 mod values;
+mod write;
 
 use std::path::Path;
 
@@ -24,6 +27,7 @@ pub use contents::{Contents, Segment};
 pub use npy::write_npy;
 pub use options::{Axes, VolumeOptions};
 pub use values::Values;
+pub use write::write_volume;
 
 /// The values of a volume file on their lattice.
 #[derive(Debug, Clone, PartialEq)]
