@@ -2,6 +2,7 @@
 //! those of the libraries.
 
 mod names;
+mod operations;
 mod polygon;
 mod shroud;
 mod values;
@@ -13,7 +14,11 @@ use clap::{Args, Parser, Subcommand};
 use crate::energies;
 
 pub(crate) use names::{
-    Axes, Border, Faces, FrameChoice, Preset, Solver, SurfaceKind, TriangleRule, VolumeRule,
+    Axes, Border, Faces, FrameChoice, Interpolation, Operation, Preset, Solver, SurfaceKind,
+    TriangleRule, VolumeRule,
+};
+pub(crate) use operations::{
+    CleanArgs, CombineArgs, CropArgs, EditArgs, OffsetArgs, ResampleArgs, Window,
 };
 pub(crate) use polygon::{PolygonArgs, Slice};
 pub(crate) use shroud::{ShroudArgs, SolveArgs};
@@ -74,6 +79,21 @@ pub(crate) enum Verb {
     /// Separate an image, or a slice of a volume: the same in two dimensions
     #[command(after_help = with_energies(polygon::POLYGON_HELP))]
     Polygon(PolygonArgs),
+    /// Boolean operations: union, intersect, subtract, xor
+    #[command(after_help = operations::COMBINE_HELP)]
+    Combine(CombineArgs),
+    /// Grow or shrink a volume by a distance
+    #[command(after_help = operations::OFFSET_HELP)]
+    Offset(OffsetArgs),
+    /// Cut a box out of a volume
+    #[command(after_help = operations::CROP_HELP)]
+    Crop(CropArgs),
+    /// Bring a volume onto another lattice
+    #[command(after_help = operations::RESAMPLE_HELP)]
+    Resample(ResampleArgs),
+    /// Remove small parts, fill cavities
+    #[command(after_help = operations::CLEAN_HELP)]
+    Clean(CleanArgs),
 }
 
 /// The end of a help text, and the energies there are.

@@ -106,3 +106,26 @@ pub(crate) enum Axes {
     /// Indexed `[x, y, z]`
     Xyz,
 }
+
+/// What to make of two volumes.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Operation {
+    /// What is inside A or B
+    Union,
+    /// What is inside both
+    Intersect,
+    /// What is inside A and not B
+    Subtract,
+    /// What is inside one of them only
+    Xor,
+}
+
+/// How the side of a point between voxels is found.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Interpolation {
+    /// That of the nearest voxel
+    Nearest,
+    /// Where at least half is inside: of what lies around the point, or, on a coarser lattice, of the
+    /// new voxel
+    Linear,
+}

@@ -65,6 +65,15 @@ pub(crate) fn spacing(text: &str) -> Result<[f64; 3], String> {
     numbers.filter(|numbers| numbers.iter().all(|x| *x > 0.0)).ok_or_else(|| advice.into())
 }
 
+/// One positive length for all axes, or three.
+pub(crate) fn lengths(text: &str) -> Result<[f64; 3], String> {
+    match positive(text) {
+        Ok(length) => Ok([length; 3]),
+        Err(_) => spacing(text)
+            .map_err(|_| "give a positive number, or three along x, y, z such as 1,1,2.5".into()),
+    }
+}
+
 /// A number that is no infinity.
 pub(crate) fn finite(text: &str) -> Result<f64, String> {
     number(text).ok_or_else(|| "give a number".into())
@@ -121,6 +130,8 @@ mod tests {
         assert_eq!("random:7".parse(), Ok(Start::Random(7)));
         assert_eq!("random:7".parse::<Start>().unwrap().to_string(), "random:7");
         assert_eq!(spacing("1, 2,.5"), Ok([1.0, 2.0, 0.5]));
+        assert_eq!((lengths("2"), lengths("1,2,3")), (Ok([2.0; 3]), Ok([1.0, 2.0, 3.0])));
+        assert!(["", "0", "1,2", "x"].iter().all(|s| lengths(s).is_err()));
         assert_eq!(colour("#ff8000"), Ok([255, 128, 0]));
         assert!(
             ["random", "random:", "random:-1", "blur:1"]

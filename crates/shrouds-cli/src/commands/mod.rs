@@ -3,6 +3,7 @@
 mod check;
 mod compare;
 mod demo;
+mod edit;
 mod info;
 mod mesh;
 mod polygon;
@@ -23,5 +24,10 @@ pub(crate) fn run(cli: &Cli) -> Result<(), Failure> {
         Verb::Render(args) => render::run(args, console),
         Verb::Compare(args) => compare::run(args, console),
         Verb::Polygon(args) => polygon::run(args, console),
+        Verb::Combine(args) => edit::combine(args, console),
+        Verb::Offset(args) => edit::offset(args, console),
+        Verb::Crop(args) => edit::crop(args, console),
+        Verb::Resample(args) => edit::resample(args, console),
+        Verb::Clean(args) => edit::clean(args, console),
     }
 }

@@ -9,6 +9,7 @@ mod bad_calls;
 mod bad_input;
 mod check;
 mod compare;
+mod edit;
 mod mesh;
 mod polygon;
 mod verbs;

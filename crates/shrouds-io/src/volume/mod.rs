@@ -27,7 +27,7 @@ pub use contents::{Contents, Segment};
 pub use npy::write_npy;
 pub use options::{Axes, VolumeOptions};
 pub use values::Values;
-pub use write::write_volume;
+pub use write::{write_volume, written_format};
 
 /// The values of a volume file on their lattice.
 #[derive(Debug, Clone, PartialEq)]

@@ -27,9 +27,20 @@ pub fn write_volume(
     frame: &Frame,
 ) -> Result<(), Error> {
     let path = path.as_ref();
+    match written_format(path)? {
+        VolumeFormat::Nrrd => nrrd_write::write(path, volume, frame),
+        _ => npy::write_npy(path, volume),
+    }
+}
+
+/// The format that the extension of `path` names, if volumes are written in it.
+///
+/// # Errors
+/// [`Error::Extension`] when they are not.
+pub fn written_format(path: impl AsRef<Path>) -> Result<VolumeFormat, Error> {
+    let path = path.as_ref();
     match volume_format(path) {
-        Ok(VolumeFormat::Npy) => npy::write_npy(path, volume),
-        Ok(VolumeFormat::Nrrd) => nrrd_write::write(path, volume, frame),
+        Ok(format @ (VolumeFormat::Npy | VolumeFormat::Nrrd)) => Ok(format),
         _ => {
             let known = "volumes are written as .npy and .nrrd";
             Err(Error::Extension { path: path.into(), kind: "volume", known })
