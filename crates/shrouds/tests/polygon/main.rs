@@ -2,14 +2,18 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod chains;
+#[path = "../common/mod.rs"]
 mod common;
+mod judge;
 
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
+use chains::Chains;
 use common::CONVENTIONS;
+use judge::{hold, wrong_side};
 use proptest::prelude::*;
-use robust::{Coord, orient2d};
 use shrouds::energy::{
     Bending, Curvature, CurveEnergy, CurveFormula, Linear, Point2, Scalar, Variation,
 };
@@ -56,107 +60,6 @@ fn disc(radius: f64) -> (Occupancy, [f64; 2]) {
     let centre = [size as f64 / 2.0 + 0.13, size as f64 / 2.0 - 0.29];
     let inside = |i, j| (i as f64 - centre[0]).hypot(j as f64 - centre[1]) < radius;
     (image(size, size, inside), centre)
-}
-
-/// Pairs of successive points of a polygon.
-fn segments(polygon: &Polygon) -> impl Iterator<Item = [[f64; 2]; 2]> {
-    let count = polygon.index.len();
-    let segments = if polygon.closed { count } else { count - 1 };
-    (0..segments).map(move |n| [polygon.index[n], polygon.index[(n + 1) % count]])
-}
-
-/// How many lattice points are on the wrong side: a straight way from the first point of a row meets
-/// the polygons once for every change of side. Exact.
-fn wrong_side(image: &Occupancy, polygons: &[Polygon], border: Border) -> usize {
-    let [nx, ny, _] = image.grid().dims();
-    let coord = |x: f64, y: f64| Coord { x, y };
-    let mut wrong = 0;
-    for j in 0..ny {
-        let y = j as f64;
-        // Of the two ends at a height one counts: the lower one, where nothing lies above.
-        let above = |p: [f64; 2]| if j + 1 == ny { p[1] >= y } else { p[1] > y };
-        let crossed: Vec<[[f64; 2]; 2]> =
-            polygons.iter().flat_map(segments).filter(|[a, b]| above(*a) != above(*b)).collect();
-        let to_the_left = |x: f64| {
-            let is_left = |[a, b]: &&[[f64; 2]; 2]| {
-                let (low, high) = if above(*a) { (*b, *a) } else { (*a, *b) };
-                let turn = orient2d(coord(low[0], low[1]), coord(high[0], high[1]), coord(x, y));
-                assert!(turn != 0.0, "a polygon passes through ({x}, {y})");
-                turn < 0.0
-            };
-            crossed.iter().filter(is_left).count()
-        };
-        let first = match border {
-            Border::Closed => false,
-            Border::Open => image.get([0, j, 0]) ^ (to_the_left(0.0) % 2 == 1),
-        };
-        wrong += (0..nx)
-            .filter(|&i| image.get([i, j, 0]) != (first ^ (to_the_left(i as f64) % 2 == 1)))
-            .count();
-    }
-    wrong
-}
-
-/// Components of the points on one side, with a frame of outside ones; by steps along x and y, and
-/// along the diagonals too where `diagonals`.
-fn components(image: &Occupancy, inside: bool, diagonals: bool) -> usize {
-    let [nx, ny, _] = image.grid().dims();
-    let get = |i: usize, j: usize| {
-        (1..=nx).contains(&i) && (1..=ny).contains(&j) && image.get([i - 1, j - 1, 0])
-    };
-    let (wide, high) = (nx + 2, ny + 2);
-    let mut seen = vec![false; wide * high];
-    let mut count = 0;
-    for start in 0..wide * high {
-        if seen[start] || get(start % wide, start / wide) != inside {
-            continue;
-        }
-        count += 1;
-        seen[start] = true;
-        let mut stack = vec![start];
-        while let Some(here) = stack.pop() {
-            let (i, j) = (here % wide, here / wide);
-            for (x, y) in (i.saturating_sub(1)..wide.min(i + 2))
-                .flat_map(|x| (j.saturating_sub(1)..high.min(j + 2)).map(move |y| (x, y)))
-            {
-                let is_near = diagonals || x == i || y == j;
-                if is_near && get(x, y) == inside && !seen[y * wide + x] {
-                    seen[y * wide + x] = true;
-                    stack.push(y * wide + x);
-                }
-            }
-        }
-    }
-    count
-}
-
-/// Holds what is true of all polygons of an image.
-fn hold(image: &Occupancy, found: &Separation, rule: FaceRule, border: Border) {
-    let polygons = &found.polygons;
-    assert_eq!(wrong_side(image, polygons, border), 0);
-    let count: usize = polygons.iter().map(|polygon| polygon.vertices.len()).sum();
-    assert_eq!(count, found.surface.vertex_count(), "every vertex on one polygon");
-    for polygon in polygons {
-        assert!(polygon.delta.iter().all(|delta| (0.00199..=0.99801).contains(delta)));
-        for (&v, (&[i, j], &delta)) in
-            polygon.vertices.iter().zip(polygon.index.iter().zip(&polygon.delta))
-        {
-            assert_eq!(delta, found.delta[v as usize]);
-            let at = |p: [f64; 2]| image.grid().point([p[0], p[1], 0.0]);
-            let n = polygon.vertices.iter().position(|&u| u == v).unwrap();
-            assert_eq!(polygon.points[n], at([i, j]));
-        }
-        assert!(segments(polygon).all(|[a, b]| (a[0] - b[0]).hypot(a[1] - b[1]) < 1.5));
-    }
-    if border == Border::Closed {
-        // One polygon around every component of the inside, and one in every hole of it.
-        let [around, holes] = [true, false].map(|inside| {
-            components(image, inside, inside == (rule == FaceRule::Join)) - usize::from(!inside)
-        });
-        assert!(polygons.iter().all(|polygon| polygon.closed && polygon.area != 0.0));
-        assert_eq!(polygons.iter().filter(|polygon| polygon.area > 0.0).count(), around);
-        assert_eq!(polygons.iter().filter(|polygon| polygon.area < 0.0).count(), holes);
-    }
 }
 
 fn is_allowed(image: &Occupancy, border: Border) -> bool {
@@ -212,59 +115,6 @@ proptest! {
                 }
             }
         }
-    }
-}
-
-/// The neighbours along polygons of every vertex of the surface, and how it moves with its position.
-struct Chains {
-    neighbours: Vec<[usize; 2]>,
-    low: Vec<[f64; 2]>,
-    moves: Vec<[f64; 2]>,
-    /// Whether δ grows with the position.
-    grows: Vec<bool>,
-}
-
-impl Chains {
-    fn new(found: &Separation) -> Self {
-        let count = found.delta.len();
-        let mut neighbours = vec![[0; 2]; count];
-        for polygon in &found.polygons {
-            let around = polygon.vertices.iter().cycle();
-            for (n, &v) in polygon.vertices.iter().enumerate() {
-                let last = around.clone().nth(n + polygon.vertices.len() - 1).unwrap();
-                let next = around.clone().nth(n + 1).unwrap();
-                neighbours[v as usize] = [*last as usize, *next as usize];
-            }
-        }
-        let crossings: Vec<_> = found.surface.crossings().collect();
-        let low = crossings.iter().map(|c| [c.low()[0] as f64, c.low()[1] as f64]).collect();
-        let moves = crossings.iter().map(|c| [[1.0, 0.0], [0.0, 1.0]][c.axis()]).collect();
-        Self { neighbours, low, moves, grows: crossings.iter().map(|c| !c.inside_low()).collect() }
-    }
-
-    fn point(&self, x: &[f64], v: usize) -> [f64; 2] {
-        [0, 1].map(|k| self.low[v][k] + x[v] * self.moves[v][k])
-    }
-
-    /// The sum of ρ over all vertices.
-    fn energy(&self, measure: &dyn CurveEnergy, x: &[f64]) -> f64 {
-        let rho = |v: usize| {
-            let [a, c] = self.neighbours[v];
-            let [a, b, c] = [a, v, c].map(|v| self.point(x, v));
-            measure.rho(&[a, b, c, c])
-        };
-        (0..x.len()).map(rho).sum()
-    }
-
-    /// P₀ − 2·P₁ + P₂ at a vertex.
-    fn second(&self, x: &[f64], v: usize) -> [f64; 2] {
-        let [a, c] = self.neighbours[v];
-        let [a, b, c] = [a, v, c].map(|v| self.point(x, v));
-        [0, 1].map(|k| a[k] - 2.0 * b[k] + c[k])
-    }
-
-    fn delta(&self, x: &[f64]) -> Vec<f64> {
-        x.iter().zip(&self.grows).map(|(&x, &grows)| if grows { x } else { 1.0 - x }).collect()
     }
 }
 

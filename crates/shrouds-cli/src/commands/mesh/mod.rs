@@ -1,0 +1,88 @@
+//! `shrouds mesh`: a volume in, its shroud out.
+
+mod each;
+
+use std::path::Path;
+use std::time::Instant;
+
+use shrouds_io::{MeshFormat, mesh_format, volume_format};
+
+use crate::args::{MeshArgs, SurfaceKind};
+use crate::console::{Console, grouped, number, print_json};
+use crate::failure::Failure;
+use crate::input;
+use crate::output::{check_png, check_targets};
+use crate::progress::Progress;
+use crate::report::Report;
+use crate::settings::Job;
+use crate::work::{Extras, Outputs, produce};
+
+pub(crate) fn run(args: &MeshArgs, console: Console) -> Result<(), Failure> {
+    let start = Instant::now();
+    let job = Job::new(&args.shroud, args.volume.coordinates())?;
+    let extras = Extras { network: false, attributes: args.attributes.clone() };
+    if args.each.is_some() {
+        return each::run(args, &job, &extras, start, console);
+    }
+    let outputs = Outputs {
+        mesh: &args.output,
+        picture: args.picture.as_deref(),
+        report: args.report.as_deref(),
+    };
+    check_attributes(args, mesh_format(&args.output)?)?;
+    check_files(args, &[&args.output])?;
+    job.warn(console);
+    let progress = Progress::new(console.quiet);
+    let source = input::source(&args.input, &args.volume, console, &progress)?;
+    let done = produce(&source, &job, &outputs, &extras, start, console, &progress)?;
+    drop(progress);
+    if args.json {
+        print_json(&done.report)?;
+    } else {
+        console.message(&summary(&args.output, &done.report));
+    }
+    done.verdict(&job, console)
+}
+
+/// Finds out before the work whether the files can be what they are to be.
+fn check_files(args: &MeshArgs, meshes: &[&Path]) -> Result<(), Failure> {
+    volume_format(&args.input)?;
+    let picture = args.picture.as_deref();
+    picture.map_or(Ok(()), check_png)?;
+    let others = [picture, args.report.as_deref()];
+    let targets: Vec<&Path> = meshes.iter().copied().chain(others.into_iter().flatten()).collect();
+    check_targets(&targets, &[&args.input])
+}
+
+/// Whether the mesh and the format can have the numbers per vertex that are wanted.
+fn check_attributes(args: &MeshArgs, format: MeshFormat) -> Result<(), Failure> {
+    if args.attributes.is_empty() {
+        return Ok(());
+    }
+    if args.shroud.solve.surface == SurfaceKind::Dual {
+        let message = "--attributes are those of the vertices of --surface primal";
+        return Err(Failure::Call(message.into()));
+    }
+    if !format.holds_attributes() {
+        let message = "holds no --attributes; .ply, .glb and .vtp do";
+        return Err(Failure::Call(format!("{}: this format {message}", args.output.display())));
+    }
+    Ok(())
+}
+
+fn summary(output: &Path, report: &Report) -> String {
+    let (topology, geometry) = (&report.topology, &report.geometry);
+    let shortfall = report.shortfall().map_or(String::new(), |text| format!("; {text}"));
+    let kept = report.solver.kept().map_or(String::new(), |text| format!("; {text}"));
+    format!(
+        "{}: {} vertices, {} triangles, volume {}, area {}, {} of {} voxels on the wrong side, {:.2} s{kept}{shortfall}",
+        output.display(),
+        grouped(topology.vertices),
+        grouped(topology.triangles),
+        number(geometry.volume),
+        number(geometry.area),
+        report.checks.wrong_side,
+        grouped(report.input.dims.iter().product::<usize>() as u64),
+        report.times.total,
+    )
+}
