@@ -87,6 +87,48 @@ pub enum Error {
         /// The last one there is.
         last: usize,
     },
+    /// A range of indices holds no lattice points of the volume.
+    #[error(
+        "{axis}={start}..{end} is no range of this volume's lattice points; give a first index below the end, which is at most {points}"
+    )]
+    NoSuchPoints {
+        /// The axis: x, y or z.
+        axis: char,
+        /// The first index of the range.
+        start: usize,
+        /// The index after the last one.
+        end: usize,
+        /// Lattice points along the axis.
+        points: usize,
+    },
+    /// Two volumes that should share a lattice do not.
+    #[error(
+        "the volumes lie on different lattices: {differences}; resample one of them onto the lattice of the other"
+    )]
+    DifferentLattices {
+        /// What differs, with both values.
+        differences: String,
+    },
+    /// Distances need axes at right angles.
+    #[error(
+        "the axes {axes} of the lattice meet at {degrees:.4} degrees, but offsets need right angles; resample the volume onto a lattice whose axes are orthogonal"
+    )]
+    Sheared {
+        /// Two of x, y and z.
+        axes: &'static str,
+        /// The angle between them.
+        degrees: f64,
+    },
+    /// There is not enough memory for a volume.
+    #[error(
+        "a volume of {dims:?} lattice points takes {bytes} bytes, more memory than there is; choose fewer points or a larger spacing"
+    )]
+    Memory {
+        /// Lattice points along x, y, z.
+        dims: [usize; 3],
+        /// Size of the volume's bits.
+        bytes: u64,
+    },
     /// No phantom has this name.
     #[error("there is no phantom named {name:?}; choose one of {known}")]
     UnknownPhantom {

@@ -4,6 +4,7 @@
 //! `SHROUDS_BENCH_SIZES=256,512` takes these sizes instead of 64 and 128. Threads are as many as the
 //! machine has; `RAYON_NUM_THREADS=1` gives the time of one.
 
+mod operations;
 mod presets;
 
 use std::hint::black_box;
@@ -47,7 +48,7 @@ fn cases() -> impl Iterator<Item = Case> {
     })
 }
 
-fn chosen_sizes() -> Option<Vec<usize>> {
+pub(crate) fn chosen_sizes() -> Option<Vec<usize>> {
     let chosen = std::env::var("SHROUDS_BENCH_SIZES").ok()?;
     let sizes: Result<_, _> = chosen.split(',').map(|size| size.trim().parse()).collect();
     Some(sizes.expect("SHROUDS_BENCH_SIZES: whole numbers with commas between"))
@@ -131,6 +132,6 @@ criterion_group! {
         .sample_size(10)
         .warm_up_time(Duration::from_millis(300))
         .measurement_time(Duration::from_secs(1));
-    targets = stages
+    targets = stages, operations::operations
 }
 criterion_main!(all);

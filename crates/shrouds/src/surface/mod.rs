@@ -125,7 +125,7 @@ impl Surface {
 
     /// The surface of the lattice points in some rows of some slices, as far as it lies between them.
     pub(crate) fn crop(&self, rows: Range<usize>, slices: Range<usize>) -> Self {
-        extract::number(self.volume.crop(rows, slices), self.face_rule, Border::Open).0
+        extract::number(self.volume.crop_rows(rows, slices), self.face_rule, Border::Open).0
     }
 
     /// The vertices of lattice row `(j, k)` on grid edges along an axis.

@@ -61,16 +61,43 @@ impl Occupancy {
     }
 
     /// The volume whose row `(j, k)` has the bits that `fill` puts into its words, which are 0.
-    fn from_rows(grid: Grid, fill: impl Fn(usize, usize, &mut [u64]) + Sync) -> Self {
+    pub(super) fn from_rows(grid: Grid, fill: impl Fn(usize, usize, &mut [u64]) + Sync) -> Self {
         let mut volume = Self::empty(grid);
-        let [_, ny, nz] = volume.grid.dims();
-        let slice = ny * volume.words_per_row;
-        parallel::pieces(&mut volume.words, (1..=nz).map(|k| k * slice), |k, words| {
-            for (j, words) in words.chunks_exact_mut(volume.words_per_row).enumerate() {
-                fill(j, k, words);
+        volume.fill_slices(0..volume.grid.dims()[2], fill);
+        volume
+    }
+
+    /// Lets `fill` change the words of every row `(j, k)` of some slices. It has to leave bits past the
+    /// end 0.
+    pub(super) fn fill_slices(
+        &mut self,
+        slices: Range<usize>,
+        fill: impl Fn(usize, usize, &mut [u64]) + Sync,
+    ) {
+        let [_, ny, _] = self.grid.dims();
+        let words_per_row = self.words_per_row;
+        let slice = ny * words_per_row;
+        let words = &mut self.words[slices.start * slice..slices.end * slice];
+        parallel::pieces(words, (1..=slices.len()).map(|k| k * slice), |k, words| {
+            for (j, words) in words.chunks_exact_mut(words_per_row).enumerate() {
+                fill(j, slices.start + k, words);
             }
         });
-        volume
+    }
+
+    /// A volume with nothing inside, of a size that a caller may have got wrong.
+    ///
+    /// # Errors
+    /// [`Error::Memory`] when it does not fit into memory.
+    pub(super) fn try_empty(grid: Grid) -> Result<Self, Error> {
+        let dims = grid.dims();
+        let words = dims[0].div_ceil(64) as u64 * dims[1] as u64 * dims[2] as u64;
+        // Only asks: memory that is zero by nature cannot be had from what is reserved so.
+        let asked = usize::try_from(words).map(|words| Vec::<u64>::new().try_reserve_exact(words));
+        match asked {
+            Ok(Ok(())) => Ok(Self::empty(grid)),
+            _ => Err(Error::Memory { dims, bytes: words.saturating_mul(8) }),
+        }
     }
 
     /// The volume with these words.
@@ -122,9 +149,10 @@ impl Occupancy {
     }
 
     /// The lattice points in some rows of some slices, with a grid whose place is that of the whole.
-    pub(crate) fn crop(&self, rows: Range<usize>, slices: Range<usize>) -> Self {
-        let grid = self.grid.crop(rows.clone(), slices.clone());
-        let [_, ny, _] = self.grid.dims();
+    pub(crate) fn crop_rows(&self, rows: Range<usize>, slices: Range<usize>) -> Self {
+        let [nx, ny, _] = self.grid.dims();
+        let first = [0, rows.start as isize, slices.start as isize];
+        let grid = self.grid.window(first, [nx, rows.len(), slices.len()]);
         let row = |j: usize, k: usize| (k * ny + j) * self.words_per_row;
         let words = slices
             .flat_map(|k| &self.words[row(rows.start, k)..row(rows.end, k)])
@@ -159,30 +187,6 @@ impl Occupancy {
     pub fn count(&self) -> u64 {
         self.words.iter().map(|w| u64::from(w.count_ones())).sum()
     }
-
-    /// The same volume with `margin` (at most 63) layers of outside points around it.
-    ///
-    /// # Errors
-    /// [`Error::Dimensions`] when the padded grid is too large.
-    ///
-    /// # Panics
-    /// When `margin` exceeds 63.
-    pub fn padded(&self, margin: usize) -> Result<Self, Error> {
-        assert!(margin < 64, "margin {margin} exceeds one word");
-        let [_, ny, nz] = self.grid.dims();
-        Ok(Self::from_rows(self.grid.padded(margin)?, |j, k, words| {
-            let (j, k) = (j.wrapping_sub(margin), k.wrapping_sub(margin));
-            // What stays empty is not written, so that memory which is zero by nature stays untouched.
-            if j >= ny || k >= nz || self.row(j, k).iter().all(|bits| *bits == 0) {
-                return;
-            }
-            let mut carry = 0;
-            for (word, bits) in words.iter_mut().zip(self.row(j, k).iter().chain(&[0])) {
-                *word = bits << margin | carry;
-                carry = bits.checked_shr(64 - margin as u32).unwrap_or(0);
-            }
-        }))
-    }
 }
 
 #[cfg(test)]
@@ -202,19 +206,6 @@ mod tests {
         assert_eq!(volume, Occupancy::from_slice(grid, &values, |v| v != 0).unwrap());
         assert_eq!(volume.count(), values.iter().map(|&v| u64::from(v)).sum::<u64>());
         assert!(volume.get([128, 0, 0]) == pattern([128, 0, 0]));
-    }
-
-    #[test]
-    fn padding_moves_every_bit() {
-        for nx in [1, 62, 63, 64, 65, 127, 130] {
-            let grid = Grid::new([nx, 2, 3], [1.0; 3]).unwrap();
-            let volume = Occupancy::from_fn(grid, pattern);
-            let padded = volume.padded(1).unwrap();
-            assert_eq!(padded.count(), volume.count());
-            for i in 0..nx {
-                assert_eq!(padded.get([i + 1, 2, 3]), volume.get([i, 1, 2]));
-            }
-        }
     }
 
     #[test]

@@ -3,10 +3,10 @@
 //! A voxel *is* its lattice point: index `(i, j, k)` means the centre of that voxel, and there is no
 //! half-voxel shift anywhere. This module is the only owner of coordinates.
 
-use std::ops::Range;
+mod compare;
+mod window;
 
 use crate::error::Error;
-use crate::vector::{cross, length, scale};
 
 /// Dimensions, spacing and world frame of a lattice.
 ///
@@ -135,56 +135,6 @@ impl Grid {
         })
     }
 
-    /// The same lattice with `margin` more points on all six sides; the points keep their places in
-    /// the world, so their indices grow by `margin`.
-    ///
-    /// # Errors
-    /// [`Error::Dimensions`] when the padded lattice is too large.
-    pub fn padded(&self, margin: usize) -> Result<Self, Error> {
-        let mut affine = self.affine;
-        let corner = self.point([-(margin as f64); 3]);
-        for (row, x) in affine.iter_mut().zip(corner) {
-            row[3] = x;
-        }
-        let dims = self.dims.map(|n| n + 2 * margin);
-        // A padded copy may exceed MAX_DIM by its margin: packing leaves room for that.
-        if self.dims.iter().any(|&n| n > Self::MAX_DIM) {
-            return Err(Error::Dimensions { dims, limit: Self::MAX_DIM });
-        }
-        Ok(Self { dims, spacing: self.spacing, affine })
-    }
-
-    /// The lattice points of some rows of some slices, whole along x, in their places in the world.
-    pub(crate) fn crop(&self, rows: Range<usize>, slices: Range<usize>) -> Self {
-        let mut affine = self.affine;
-        let corner = self.point([0.0, rows.start as f64, slices.start as f64]);
-        for (row, x) in affine.iter_mut().zip(corner) {
-            row[3] = x;
-        }
-        let dims = [self.dims[0], rows.len(), slices.len()];
-        Self { dims, spacing: self.spacing, affine }
-    }
-
-    /// The lattice points of one slice, index `[i, j, 0]` of which has index `i` along axis `axis + 1`
-    /// and `j` along `axis + 2` (modulo 3) of the whole, in their places in the world. Its third axis
-    /// is normal to the slice, with the smaller spacing of the other two.
-    pub(crate) fn slice(&self, axis: usize, index: usize) -> Self {
-        let axes = [(axis + 1) % 3, (axis + 2) % 3];
-        let [u, v] = axes.map(|c| self.affine.map(|row| row[c]));
-        let spacing = axes.map(|c| self.spacing[c]);
-        let step = spacing[0].min(spacing[1]);
-        let normal = cross(u, v);
-        let normal = scale(normal, step / length(normal));
-        let mut corner = [0.0; 3];
-        corner[axis] = index as f64;
-        let corner = self.point(corner);
-        Self {
-            dims: [self.dims[axes[0]], self.dims[axes[1]], 1],
-            spacing: [spacing[0], spacing[1], step],
-            affine: std::array::from_fn(|r| [u[r], v[r], normal[r], corner[r]]),
-        }
-    }
-
     fn determinant(&self) -> f64 {
         let a = &self.affine;
         a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1])
@@ -197,7 +147,7 @@ impl Grid {
 mod tests {
     use super::*;
 
-    const OBLIQUE: [[f64; 4]; 3] =
+    pub(super) const OBLIQUE: [[f64; 4]; 3] =
         [[-0.9, 0.2, 0.1, 12.0], [0.1, 1.1, -0.3, -40.0], [0.2, 0.1, 2.5, 7.5]];
 
     #[test]
@@ -218,35 +168,6 @@ mod tests {
         for (row, expected) in inverse.iter().zip([3.0, 7.5, 1.25]) {
             let index = row[0] * world[0] + row[1] * world[1] + row[2] * world[2] + row[3];
             assert!((index - expected).abs() < 1e-12);
-        }
-    }
-
-    #[test]
-    fn padding_keeps_points_in_place() {
-        let grid = Grid::with_affine([9, 9, 9], OBLIQUE).unwrap();
-        let padded = grid.padded(1).unwrap();
-        for (a, b) in padded.point([4.0, 5.0, 6.0]).iter().zip(grid.point([3.0, 4.0, 5.0])) {
-            assert!((a - b).abs() < 1e-12);
-        }
-    }
-
-    #[test]
-    fn a_slice_stays_in_its_place() {
-        let grid = Grid::with_affine([5, 6, 7], OBLIQUE).unwrap();
-        for axis in 0..3 {
-            let slice = grid.slice(axis, 2);
-            let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-            assert_eq!(slice.dims(), [grid.dims()[u], grid.dims()[v], 1]);
-            let mut index = [0.0; 3];
-            (index[axis], index[u], index[v]) = (2.0, 1.5, 4.0);
-            for (a, b) in slice.point([1.5, 4.0, 0.0]).iter().zip(grid.point(index)) {
-                assert!((a - b).abs() < 1e-12);
-            }
-            // It is a grid like any other.
-            let again = Grid::with_affine(slice.dims(), slice.affine()).unwrap();
-            let [x, y, z] = again.spacing();
-            assert!((z - x.min(y)).abs() < 1e-12 && !again.is_mirrored());
-            assert_eq!([x, y], [grid.spacing()[u], grid.spacing()[v]]);
         }
     }
 
