@@ -207,8 +207,11 @@ proptest! {
         finer in [0.3..2.6f64, 0.3..2.6, 0.3..2.6],
         shift in [-2.0..2.0f64, -2.0..2.0, -2.0..2.0],
         oblique: bool,
+        solid: bool,
     ) {
-        let volume = on(&volume, &turned(volume.grid().dims(), spacing));
+        let grid = turned(volume.grid().dims(), spacing);
+        let in_box = |p: [usize; 3]| p.iter().zip(grid.dims()).all(|(&x, n)| x > n / 3 && x < n - 1);
+        let volume = Occupancy::from_fn(grid.clone(), |p| if solid { in_box(p) } else { volume.get(p) });
         let frame = if oblique {
             Grid::new([9, 8, 7], finer).unwrap()
         } else {

@@ -5,9 +5,13 @@ use std::ops::Range;
 use crate::error::Error;
 use crate::grid::Grid;
 use crate::volume::Occupancy;
+use crate::volume::runs::set_run;
 
 /// Most samples per axis that are averaged over one voxel.
 const MOST_SAMPLES: usize = 64;
+/// Most rows, and most words of each, that are looked at to find sixty-four points on one side.
+const MOST_ROWS: usize = 16;
+const MOST_WORDS: usize = 8;
 /// What counts as half: a tie must not depend on rounding.
 const HALF: f64 = 0.5 - 1e-9;
 
@@ -41,16 +45,57 @@ impl Occupancy {
         let [nx, _, nz] = grid.dims();
         result.fill_slices(0..nz, |j, k, words| {
             let start = samples.map.point([0.0, j as f64, k as f64]);
-            for i in samples.within(start, nx) {
-                let middle = samples.map.along_x(start, i);
-                let inside = match interpolation {
-                    Interpolation::Nearest => source.nearest(middle),
-                    Interpolation::Linear => samples.mean(&source, middle) >= HALF,
+            let within = samples.within(start, nx);
+            for first in (within.start / 64 * 64..within.end).step_by(64) {
+                let points = first.max(within.start)..within.end.min(first + 64);
+                let is_inside = |i: usize| {
+                    let middle = samples.map.along_x(start, i);
+                    match interpolation {
+                        Interpolation::Nearest => source.nearest(middle),
+                        Interpolation::Linear => samples.mean(&source, middle) >= HALF,
+                    }
                 };
-                words[i / 64] |= u64::from(inside) << (i % 64);
+                match source.common_side(samples.ends(start, &points)) {
+                    Some(false) => {}
+                    Some(true) => set_run(words, points),
+                    None => {
+                        let bit = |i: usize| u64::from(is_inside(i)) << (i % 64);
+                        words[first / 64] = points.map(bit).fold(0, |bits, bit| bits | bit);
+                    }
+                }
             }
         });
         Ok(result)
+    }
+
+    /// The side of all lattice points around the indices from one corner of a box to the other, if they
+    /// have one in common and are not too many to look at.
+    fn common_side(&self, [low, high]: [[f64; 3]; 2]) -> Option<bool> {
+        let dims = self.grid().dims();
+        if (0..3).any(|d| high[d] < 0.0 || low[d] > dims[d] as f64) {
+            return Some(false);
+        }
+        // Beyond the lattice is what its outermost layer is, outside. Casts saturate.
+        let [x, y, z] = [0, 1, 2]
+            .map(|d| (low[d] as usize).min(dims[d] - 1)..dims[d].min(high[d] as usize + 2));
+        if y.len() * z.len() > MOST_ROWS {
+            return None;
+        }
+        let mut mask = [0; MOST_WORDS];
+        let own = x.start / 64..x.end.div_ceil(64);
+        let mask = mask.get_mut(..own.len())?;
+        set_run(mask, x.start - 64 * own.start..x.end - 64 * own.start);
+        let (mut all, mut any) = (true, false);
+        for row in z.flat_map(|k| y.clone().map(move |j| (j, k))).map(|(j, k)| self.row(j, k)) {
+            for (bits, mask) in row[own.clone()].iter().zip(&*mask) {
+                all &= bits & mask == *mask;
+                any |= bits & mask != 0;
+            }
+            if any && !all {
+                return None;
+            }
+        }
+        Some(any)
     }
 
     /// Whether the lattice point nearest to an index is inside; none beyond the lattice is.
@@ -68,14 +113,22 @@ impl Occupancy {
             return 0.0;
         }
         let [i, j, k] = index.map(|x| x as usize);
-        let [x, y, z] = [index[0] - i as f64, index[1] - j as f64, index[2] - k as f64];
-        let row = |j: usize, k: usize| {
-            let row = self.row(j, k);
-            let bit = |i: usize| (row[i / 64] >> (i % 64) & 1) as f64;
-            bit(i) * (1.0 - x) + bit(i + 1) * x
+        let (words, per_row) = self.words();
+        let (first, shift) = ((k * dims[1] + j) * per_row + i / 64, i % 64);
+        // The bits of points i and i + 1, which may lie in the next word.
+        let pair = |word: usize| {
+            let next = if shift == 63 { words[word + 1] << 1 } else { 0 };
+            (words[word] >> shift | next) & 3
         };
-        let slice = |k: usize| row(j, k) * (1.0 - y) + row(j + 1, k) * y;
-        slice(k) * (1.0 - z) + slice(k + 1) * z
+        let rows = [0, 1, dims[1], dims[1] + 1].map(|row| pair(first + row * per_row));
+        match rows {
+            [0, 0, 0, 0] => return 0.0,
+            [3, 3, 3, 3] => return 1.0,
+            _ => {}
+        }
+        let [x, y, z] = [index[0] - i as f64, index[1] - j as f64, index[2] - k as f64];
+        let [a, b, c, d] = rows.map(|pair| (pair & 1) as f64 * (1.0 - x) + (pair >> 1) as f64 * x);
+        (a * (1.0 - y) + b * y) * (1.0 - z) + (c * (1.0 - y) + d * y) * z
     }
 }
 
@@ -129,6 +182,14 @@ impl Samples {
         }
         // Casts saturate.
         within[0].ceil() as usize..(within[1].floor() + 1.0) as usize
+    }
+
+    /// The smallest and the largest old indices of the samples of some points of a row, a little apart.
+    fn ends(&self, start: [f64; 3], points: &Range<usize>) -> [[f64; 3]; 2] {
+        let [a, b] = [points.start, points.end - 1].map(|i| self.map.along_x(start, i));
+        let margin = self.extent.map(|extent| extent + 1e-6);
+        let low = std::array::from_fn(|d| a[d].min(b[d]) - margin[d]);
+        [low, std::array::from_fn(|d| a[d].max(b[d]) + margin[d])]
     }
 
     /// The mean of the samples around an old index.
