@@ -89,6 +89,14 @@ pub enum Error {
         /// Bytes that are there.
         found: u64,
     },
+    /// The header is sound, but not a file that it names for its data.
+    #[error("{}: its data file cannot be read: {cause}", .path.display())]
+    DataFile {
+        /// The file with the header.
+        path: PathBuf,
+        /// What is wrong with the other.
+        cause: Box<Error>,
+    },
     /// The compressed data does not unpack, or the numbers in a text are none.
     #[error(
         "{}: the {method} data is truncated or damaged ({cause}); copy or write the file again",
@@ -156,17 +164,16 @@ impl Error {
         Self::Io { path: path.into(), doing: "open it", cause, advice }
     }
 
-    /// The same about another file: the one that holds the data of the volume.
-    pub(crate) fn in_file(mut self, file: &Path) -> Self {
-        if let Self::Io { path, .. }
-        | Self::Header { path, .. }
+    /// The same about `file`, which holds the data of the header at `path`.
+    pub(crate) fn in_data_file(mut self, path: &Path, file: &Path) -> Self {
+        if let Self::Header { path, .. }
         | Self::Unsupported { path, .. }
         | Self::Truncated { path, .. }
         | Self::Compressed { path, .. } = &mut self
         {
             *path = file.into();
         }
-        self
+        Self::DataFile { path: path.into(), cause: Box::new(self) }
     }
 
     pub(crate) fn header(path: &Path, problem: impl Into<String>) -> Self {

@@ -61,8 +61,7 @@ impl Data {
     /// The values in `files`, an equal part in each; `path` is the header's.
     ///
     /// # Errors
-    /// [`Error::Io`] when one of them is missing, [`Error::Truncated`] when it is too short,
-    /// [`Error::Header`] and [`Error::Unsupported`] when they cannot be equal parts of the volume.
+    /// [`Error::DataFile`] when one of them is missing or too short, [`Error::Header`] and [`Error::Unsupported`] when they cannot be equal parts of the volume.
     pub(super) fn detached<'a>(
         self,
         path: &'a Path,
@@ -73,11 +72,18 @@ impl Data {
         let (data, files) = self.parts(path, files)?;
         let mut lengths = Vec::with_capacity(files.len());
         for file in &files {
-            let length = file.metadata().map_err(|cause| Error::open(file, cause))?.len();
+            let failed = |error: Error| error.in_data_file(path, file);
+            let data_of = file.metadata().map_err(|cause| failed(Error::open(file, cause)))?;
+            // A pipe would keep the reader waiting.
+            if !data_of.is_file() {
+                let what = "a folder, a device or a pipe";
+                return Err(failed(Error::unsupported(file, what, "name a file")));
+            }
+            let length = data_of.len();
             let expected = data.total() as u64 * data.element.size() as u64;
             let found = length.saturating_sub(data.byte_skip.max(0) as u64);
             if data.packing == Packing::Raw && found < expected {
-                return Err(Error::Truncated { path: file.clone(), expected, found });
+                return Err(failed(Error::Truncated { path: file.clone(), expected, found }));
             }
             lengths.push(length);
         }
@@ -204,14 +210,16 @@ impl Slabs for Parts<'_> {
         loop {
             if let Some(elements) = &mut self.current {
                 let file = &self.files[self.next - 1];
-                if let Some(slab) = elements.next().map_err(|error| error.in_file(file))? {
+                let slab = elements.next().map_err(|error| error.in_data_file(self.path, file))?;
+                if let Some(slab) = slab {
                     return Ok(Some(slab));
                 }
                 self.current = None;
             }
             let Some(file) = self.files.get(self.next) else { return Ok(None) };
-            let stream = Stream::open_part(self.path, file, self.progress, Some(self.span))?;
-            let elements = self.data.elements(stream).map_err(|error| error.in_file(file))?;
+            let elements = Stream::open_part(self.path, file, self.progress, Some(self.span))
+                .and_then(|stream| self.data.elements(stream))
+                .map_err(|error| error.in_data_file(self.path, file))?;
             self.current = Some(elements);
             self.span.0 += self.lengths[self.next];
             self.next += 1;

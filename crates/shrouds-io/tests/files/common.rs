@@ -150,12 +150,18 @@ pub(crate) fn metaimage(fields: &str, data: &[u8]) -> Vec<u8> {
     [b"ObjectType = Image\n", fields.as_bytes(), end.as_bytes(), data].concat()
 }
 
-/// The volume of a file; reading it straight into bits must come to the same.
+/// The volume of a file; reading it straight into bits must come to the same, but for layers of
+/// segments, which only bits can unite.
 pub(crate) fn read_both(path: &Path, options: &VolumeOptions) -> Result<Volume, Error> {
     let volume = read_volume(path, options);
     for select in [Select::NonZero, Select::Above(3.5), Select::Labels(vec![1, 3, -2])] {
         let bits = read_occupancy(path, options, &select);
         match &volume {
+            Err(Error::Choice { .. }) if bits.is_ok() => {
+                let contents = bits.unwrap().contents;
+                assert!(options.layer.is_none() && contents.layers > 1);
+                assert!(!contents.segments.is_empty());
+            }
             Err(error) => assert_eq!(bits.unwrap_err().to_string(), error.to_string()),
             Ok(volume) => match volume.occupancy(&select) {
                 Ok(occupancy) => {

@@ -73,7 +73,7 @@ fn data_files_that_do_not_fit_are_named() {
         ("data file: no.raw\n", "no.raw: cannot open it"),
         ("data file: LIST\ns1\nno.raw\n", "no.raw: cannot open it"),
         ("data file: LIST\ns1\ns2\n", "s2: expected 12 bytes of voxel data, found 11"),
-        ("data file: LIST\ns1\ns4\n", "s4: a folder"),
+        ("data file: LIST\ns1\ns4\n", "s4: a folder, a device"),
         (
             "encoding: gzip\ndata file: LIST\ns3\ns3\n",
             "s3: expected 12 bytes of voxel data, found 11",
