@@ -181,8 +181,10 @@ pub(crate) fn read_both(path: &Path, options: &VolumeOptions) -> Result<Volume, 
 }
 
 fn has_layered_segments(path: &Path, options: &VolumeOptions) -> bool {
-    let (_, _, contents) = read_contents(path, options).unwrap();
-    options.layer.is_none() && contents.layers > 1 && !contents.segments.is_empty()
+    options.layer.is_none() && {
+        let (_, _, contents) = read_contents(path, options).unwrap();
+        contents.layers > 1 && !contents.segments.is_empty()
+    }
 }
 
 /// A folder that goes away, and the files in it.
