@@ -223,5 +223,6 @@ pub(crate) fn volume_options<'a>(
         layer: args.layer(),
         array: args.array.as_deref(),
         progress: Some(progress),
+        ..VolumeOptions::default()
     }
 }

@@ -22,7 +22,9 @@
 mod atomic;
 mod error;
 mod mesh;
+mod pick;
 mod stream;
+mod text;
 mod volume;
 
 pub use atomic::write_atomically;
@@ -32,7 +34,7 @@ pub use mesh::{
 };
 pub use stream::Progress;
 pub use volume::{
-    Axes, Contents, Frame, Segment, Selected, Values, Volume, VolumeFormat, VolumeOptions,
-    read_contents, read_occupancy, read_volume, volume_format, write_npy, write_volume,
-    written_format,
+    Axes, Contents, ElementType, Frame, RawLayout, Segment, Selected, Values, Volume, VolumeFormat,
+    VolumeOptions, read_contents, read_occupancy, read_volume, volume_format, write_npy,
+    write_volume, written_format,
 };

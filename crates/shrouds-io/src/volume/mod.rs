@@ -4,14 +4,23 @@
 //! that are still to be read. What is done with the slabs is the same for all of them.
 
 mod contents;
+mod data;
 mod decode;
+mod file_names;
+mod metaimage;
+mod metaimage_frame;
 mod nifti;
 mod nifti_affine;
 mod npy;
 mod nrrd;
+mod nrrd_axes;
+mod nrrd_frame;
+mod nrrd_header;
+mod nrrd_segments;
 mod nrrd_space;
 mod nrrd_write;
 mod options;
+mod raw;
 mod values;
 mod write;
 
@@ -24,8 +33,10 @@ use crate::error::Error;
 use crate::stream::Stream;
 
 pub use contents::{Contents, Segment};
+pub use decode::ElementType;
 pub use npy::write_npy;
 pub use options::{Axes, VolumeOptions};
+pub use raw::RawLayout;
 pub use values::Values;
 pub use write::{write_volume, written_format};
 
@@ -91,8 +102,12 @@ pub enum VolumeFormat {
     Nifti,
     /// The same, compressed, `.nii.gz`.
     NiftiGz,
-    /// NRRD with its header attached, `.nrrd`.
+    /// NRRD, `.nrrd`, or its header alone, `.nhdr`.
     Nrrd,
+    /// MetaImage, `.mha`, or its header alone, `.mhd`.
+    MetaImage,
+    /// Voxels and nothing else, `.raw` or `.bin`.
+    Raw,
 }
 
 /// The volume format that the extension of `path` names, in upper or lower case.
@@ -107,6 +122,11 @@ pub fn volume_format(path: impl AsRef<Path>) -> Result<VolumeFormat, Error> {
         (".nii", VolumeFormat::Nifti),
         (".nii.gz", VolumeFormat::NiftiGz),
         (".nrrd", VolumeFormat::Nrrd),
+        (".nhdr", VolumeFormat::Nrrd),
+        (".mha", VolumeFormat::MetaImage),
+        (".mhd", VolumeFormat::MetaImage),
+        (".raw", VolumeFormat::Raw),
+        (".bin", VolumeFormat::Raw),
     ];
     let known = formats.iter().find(|(extension, _)| name.ends_with(extension));
     known.map(|(_, format)| *format).ok_or_else(|| {
@@ -114,8 +134,7 @@ pub fn volume_format(path: impl AsRef<Path>) -> Result<VolumeFormat, Error> {
             Some("hdr" | "img" | "gz") => {
                 "NIfTI is read from one file, .nii or .nii.gz: convert the pair to that"
             }
-            Some("nhdr") => "NRRD is read with its header attached: convert it to .nrrd",
-            _ => "volumes are read from .npy, .nii, .nii.gz and .nrrd",
+            _ => "volumes are read from .npy, .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd and .raw",
         };
         Error::Extension { path: path.into(), kind: "volume", known }
     })
@@ -128,7 +147,8 @@ pub fn volume_format(path: impl AsRef<Path>) -> Result<VolumeFormat, Error> {
 /// [`Error::Content`] when it is of another kind than its extension says, [`Error::Header`],
 /// [`Error::Truncated`] and [`Error::Compressed`] when it is damaged, [`Error::Unsupported`] when it
 /// is sound but not a three-dimensional array of real numbers, [`Error::Choice`] when it holds several
-/// volumes and the options do not name one of them, [`Error::Lattice`] when its dimensions or its
+/// volumes and the options do not name one of them, [`Error::Layout`] when a raw file comes without a
+/// layout or with one that does not fit, [`Error::Lattice`] when its dimensions or its
 /// frame make no lattice.
 pub fn read_volume(path: impl AsRef<Path>, options: &VolumeOptions) -> Result<Volume, Error> {
     let path = path.as_ref();
@@ -253,6 +273,8 @@ fn open<'a>(path: &'a Path, options: &VolumeOptions<'a>) -> Result<Unread<'a>, E
         VolumeFormat::Nifti => nifti::open(stream()?, options),
         VolumeFormat::NiftiGz => nifti::open_compressed(stream()?, options),
         VolumeFormat::Nrrd => nrrd::open(stream()?, options),
+        VolumeFormat::MetaImage => metaimage::open(stream()?, options),
+        VolumeFormat::Raw => raw::open(stream()?, options),
     }?;
     match options.layer {
         Some(layer) if layer >= unread.contents.layers => Err(no_layer(path, &unread.contents)),
@@ -291,4 +313,16 @@ fn affine_of(columns: [[f64; 3]; 3], origin: [f64; 3]) -> [[f64; 4]; 3] {
 /// The columns of axes along those of the world.
 fn diagonal(spacing: [f64; 3]) -> [[f64; 3]; 3] {
     std::array::from_fn(|c| std::array::from_fn(|r| if r == c { spacing[c] } else { 0.0 }))
+}
+
+/// A step across the plane of two others, as long as the shorter of them: that between the slices of
+/// an image.
+fn normal_step(u: [f64; 3], v: [f64; 3]) -> [f64; 3] {
+    let length = |a: [f64; 3]| a.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let normal: [f64; 3] = std::array::from_fn(|r| {
+        let (s, t) = ((r + 1) % 3, (r + 2) % 3);
+        u[s] * v[t] - u[t] * v[s]
+    });
+    let step = length(u).min(length(v)) / length(normal);
+    normal.map(|x| x * step)
 }

@@ -6,4 +6,7 @@
 mod common;
 mod damage;
 mod meshes;
+mod metaimage;
+mod nrrd;
+mod raw;
 mod volumes;
