@@ -5,5 +5,7 @@
 
 mod common;
 mod damage;
+mod decode;
 mod meshes;
+mod parts;
 mod volumes;
