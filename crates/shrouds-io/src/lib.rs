@@ -1,8 +1,9 @@
 //! Volume and mesh files for [`shrouds`].
 //!
 //! A volume file becomes a [`Volume`]: its values, x fastest, on a grid that carries the affine of
-//! the file, with the name and the unit of its world frame. A mesh goes out as PLY, STL or OBJ and
-//! comes back from the same formats. Output files appear whole or not at all ([`write_atomically`]).
+//! the file, with the name and the unit of its world frame. A mesh, or several
+//! with their names and numbers per vertex, goes out as PLY, STL, OBJ, GLB, VTP or 3MF, and comes
+//! back from the first three. Output files appear whole or not at all ([`write_atomically`]).
 //!
 //! Whatever a file claims about itself, memory grows only with the bytes that are there, nothing
 //! panics, and every [`Error`] names the file, what is wrong with it and what to do.
@@ -30,7 +31,8 @@ mod volume;
 pub use atomic::write_atomically;
 pub use error::Error;
 pub use mesh::{
-    Line, MeshFormat, MeshOptions, Precision, mesh_format, read_mesh, write_lines, write_mesh,
+    Attribute, Line, MeshFormat, MeshOptions, Part, Precision, mesh_format, read_mesh, write_lines,
+    write_lines_with, write_mesh, write_meshes,
 };
 pub use stream::Progress;
 pub use volume::{

@@ -1,13 +1,19 @@
-//! Mesh files: PLY, STL and OBJ, out and in.
+//! Mesh files: PLY, STL and OBJ, out and in; GLB, VTP and 3MF, out.
 
+mod glb;
+mod lines;
 mod obj;
+mod part;
 mod ply;
 mod ply_read;
 mod records;
 mod stl;
+mod threemf;
+mod vtk_xml;
+mod vtp;
+mod xml;
 
 use std::fs;
-use std::io::Write;
 use std::path::Path;
 
 use shrouds::TriMesh;
@@ -16,19 +22,57 @@ use crate::atomic::write_atomically;
 use crate::error::Error;
 use crate::volume::Frame;
 
+pub use lines::{Line, write_lines, write_lines_with};
+pub use part::{Attribute, Part};
+
+use part::{Parts, check_mesh};
+
 /// A mesh file format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum MeshFormat {
-    /// Polygon File Format, `.ply`: written binary little endian, with normals.
+    /// Polygon File Format, `.ply`: written binary little endian, with normals and attributes.
     Ply,
     /// Stereolithography, `.stl`: written binary, every triangle with its own three corners.
     Stl,
     /// Wavefront, `.obj`: text, with normals.
     Obj,
+    /// Binary glTF 2.0, `.glb`, for viewers: with normals and attributes. Coordinates are not turned
+    /// (y up) nor scaled (metres) to glTF's conventions. Written, not read.
+    Glb,
+    /// VTK XML PolyData, `.vtp`: arrays as raw binary data, with normals and attributes. Written, not
+    /// read.
+    Vtp,
+    /// 3D Manufacturing Format, `.3mf`, for printing: triangles and their unit. Written, not read.
+    ThreeMf,
 }
 
-/// Size of the floats of a PLY file.
+impl MeshFormat {
+    /// Whether it holds [`Attribute`]s; from other formats they are left out.
+    pub fn holds_attributes(self) -> bool {
+        matches!(self, Self::Ply | Self::Glb | Self::Vtp)
+    }
+
+    /// Whether it holds several [`Part`]s that can be told apart.
+    pub fn holds_parts(self) -> bool {
+        self != Self::Stl
+    }
+
+    /// Whether [`read_mesh`] reads it.
+    pub fn is_read(self) -> bool {
+        matches!(self, Self::Ply | Self::Stl | Self::Obj)
+    }
+
+    /// The largest coordinate that it holds with a precision.
+    fn largest(self, precision: Precision) -> f64 {
+        match self {
+            Self::Stl | Self::Glb => Precision::Single.largest(),
+            _ => precision.largest(),
+        }
+    }
+}
+
+/// Size of the floats of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Precision {
     /// 32 bits, about seven digits: what every program reads.
@@ -38,14 +82,26 @@ pub enum Precision {
     Double,
 }
 
+impl Precision {
+    /// The largest coordinate it holds.
+    fn largest(self) -> f64 {
+        match self {
+            Self::Single => f32::MAX.into(),
+            Self::Double => f64::MAX,
+        }
+    }
+}
+
 /// How to write a mesh file.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct MeshOptions {
-    /// Floats of positions and normals in PLY. STL has 32 bits always; OBJ is text, with as many
-    /// digits as the precision needs.
+    /// Floats of positions in PLY and VTP, and of normals in PLY. STL and GLB have 32 bits always, GLB
+    /// relative to the middle of the mesh; OBJ and 3MF are text, with as many digits as the precision
+    /// needs.
     pub precision: Precision,
-    /// Frame of the coordinates, for the comment of the file. A comment `SPACE=RAS` or `SPACE=LPS`
-    /// makes 3D Slicer place the mesh where it belongs.
+    /// Frame of the coordinates, which the file names: `SPACE=RAS` or `SPACE=LPS` in the comment of
+    /// PLY, STL and OBJ or in the field data of VTP makes 3D Slicer place the mesh where it belongs.
+    /// 3MF needs the unit: millimetres, unless it is one of nm, um, cm, m, in and ft.
     pub frame: Option<Frame>,
 }
 
@@ -71,8 +127,12 @@ pub fn mesh_format(path: impl AsRef<Path>) -> Result<MeshFormat, Error> {
         "ply" => Ok(MeshFormat::Ply),
         "stl" => Ok(MeshFormat::Stl),
         "obj" => Ok(MeshFormat::Obj),
+        "glb" => Ok(MeshFormat::Glb),
+        "vtp" => Ok(MeshFormat::Vtp),
+        "3mf" => Ok(MeshFormat::ThreeMf),
         _ => {
-            let known = "meshes are written to and read from .ply, .stl and .obj";
+            let known = "meshes are written to .glb, .vtp, .3mf, .ply, .stl and .obj, and read from \
+                         .ply, .stl and .obj";
             Err(Error::Extension { path: path.into(), kind: "mesh", known })
         }
     }
@@ -82,72 +142,67 @@ pub fn mesh_format(path: impl AsRef<Path>) -> Result<MeshFormat, Error> {
 /// all.
 ///
 /// # Errors
-/// [`Error::Extension`] for an unknown extension, [`Error::Unwritable`] when the mesh refers to
-/// vertices it does not have, has a coordinate that is not finite or too large for the precision, or
-/// does not fit the format; otherwise as for [`write_atomically`].
+/// As for [`write_meshes`].
 pub fn write_mesh(
     path: impl AsRef<Path>,
     mesh: &TriMesh,
     options: &MeshOptions,
 ) -> Result<(), Error> {
-    let path = path.as_ref();
-    let format = mesh_format(path)?;
-    let single = options.precision == Precision::Single || format == MeshFormat::Stl;
-    let largest = if single { f64::from(f32::MAX) } else { f64::MAX };
-    let count = u32::try_from(mesh.triangles.len());
-    let checked = check(mesh, largest).and_then(|()| match count {
-        Err(_) => Err(format!("it has {} triangles; crop it", mesh.triangles.len())),
-        Ok(_) => Ok(()),
-    });
-    checked.map_err(|problem| Error::Unwritable { path: path.into(), problem })?;
-    write_atomically(path, |writer| write_mesh_to(writer, format, mesh, options))
+    write_meshes(path, &[mesh.into()], options)
 }
 
-/// A line through some points.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Line<'a> {
-    /// Its points in order.
-    pub points: &'a [[f64; 3]],
-    /// Whether the last point is joined to the first.
-    pub closed: bool,
-}
-
-/// Writes lines to a Wavefront file, `.obj`: points and `l` elements, one for each line. The file
-/// appears whole or not at all.
+/// Writes several meshes, with names and numbers per vertex, to one file in the format that the
+/// extension of `path` names; the file appears whole or not at all.
+///
+/// Names are those of objects in OBJ, 3MF and GLB, and an array `names` of VTP. PLY has one list of
+/// vertices, with a property `label`, and VTP one of triangles, with cell data `label`: the labels of
+/// the parts, or their numbers from 1 where one has no label. Attributes are properties of PLY, point
+/// data of VTP, and attributes of GLB in capitals after an underscore (`_DELTA`); other formats leave
+/// them out. Normals go out where all parts have them.
 ///
 /// # Errors
-/// [`Error::Extension`] for another extension, [`Error::Unwritable`] when a coordinate is not finite
-/// or too large for the precision; otherwise as for [`write_atomically`].
-pub fn write_lines(
+/// [`Error::Extension`] for an unknown extension, [`Error::Unwritable`] when a mesh refers to
+/// vertices it does not have, has a coordinate that is not finite or too large for the precision, an
+/// attribute has not one finite value per vertex or no usable name, parts differ in the names of
+/// their attributes, or they do not fit the format; otherwise as for [`write_atomically`].
+pub fn write_meshes(
     path: impl AsRef<Path>,
-    lines: &[Line],
+    parts: &[Part],
     options: &MeshOptions,
 ) -> Result<(), Error> {
     let path = path.as_ref();
-    if mesh_format(path).ok() != Some(MeshFormat::Obj) {
-        return Err(Error::Extension {
-            path: path.into(),
-            kind: "line",
-            known: "lines are written to .obj",
-        });
+    let format = mesh_format(path)?;
+    let unwritable = |problem| Error::Unwritable { path: path.into(), problem };
+    let largest = format.largest(options.precision);
+    let checked = Parts::check(parts, format, largest).map_err(unwritable)?;
+    match format {
+        MeshFormat::Ply => {
+            let file = ply::Ply::new(checked, options).map_err(unwritable)?;
+            write_atomically(path, |writer| file.write(writer))
+        }
+        MeshFormat::Stl => write_atomically(path, |writer| stl::write(writer, checked, options)),
+        MeshFormat::Obj => write_atomically(path, |writer| obj::write(writer, checked, options)),
+        MeshFormat::Glb => {
+            let file = glb::Glb::new(checked, options).map_err(unwritable)?;
+            write_atomically(path, |writer| file.write(writer))
+        }
+        MeshFormat::Vtp => write_atomically(path, |writer| vtp::write(writer, checked, options)),
+        MeshFormat::ThreeMf => {
+            threemf::check(checked).map_err(unwritable)?;
+            write_atomically(path, |writer| threemf::write(writer, checked, options))
+        }
     }
-    let single = options.precision == Precision::Single;
-    let largest = if single { f64::from(f32::MAX) } else { f64::MAX };
-    let mut points = lines.iter().flat_map(|line| line.points);
-    if let Some(point) = points.find(|point| !point.iter().all(|x| x.abs() <= largest)) {
-        let problem = format!("a point lies at {point:?}, which is not finite or too large");
-        return Err(Error::Unwritable { path: path.into(), problem });
-    }
-    write_atomically(path, |writer| obj::write_lines(writer, lines, options))
 }
 
 /// Reads a mesh: PLY or STL, binary or text, or OBJ, by the extension of `path`.
 ///
 /// Polygons become fans of triangles. STL has no vertices of its own: corners at exactly the same
-/// place become one. Normals are kept where the file gives a finite one for every vertex.
+/// place become one. Several objects of a file become one mesh. Normals are kept where the file gives
+/// a finite one for every vertex.
 ///
 /// # Errors
-/// [`Error::Extension`] for an unknown extension, [`Error::Io`] when the file cannot be read,
+/// [`Error::Extension`] for an unknown extension, [`Error::Unsupported`] for a format that is only
+/// written, [`Error::Io`] when the file cannot be read,
 /// [`Error::Content`] when it is of another kind than its extension says, [`Error::Mesh`] when it is
 /// damaged or truncated, a coordinate is not finite or a face names a vertex that is not there.
 pub fn read_mesh(path: impl AsRef<Path>) -> Result<TriMesh, Error> {
@@ -156,55 +211,22 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<TriMesh, Error> {
     if path.is_dir() {
         return Err(Error::unsupported(path, "a folder", "name one of the files in it"));
     }
+    if !format.is_read() {
+        let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        let advice = "meshes are read from .ply, .stl and .obj: write it again as one of those";
+        return Err(Error::unsupported(path, format!("a .{extension} mesh"), advice));
+    }
     let bytes = fs::read(path).map_err(|cause| Error::open(path, cause))?;
     let mut mesh = match format {
-        MeshFormat::Ply => ply_read::read(path, &bytes),
         MeshFormat::Stl => stl::read(path, &bytes),
         MeshFormat::Obj => obj::read(path, &bytes),
+        _ => ply_read::read(path, &bytes),
     }?;
     if mesh.normals.iter().flatten().any(|x| !x.is_finite()) {
         mesh.normals.clear();
     }
-    check(&mesh, f64::MAX).map_err(|problem| Error::mesh(path, problem))?;
+    check_mesh(&mesh, f64::MAX).map_err(|problem| Error::mesh(path, problem))?;
     Ok(mesh)
-}
-
-/// Writes a mesh to anything that takes bytes.
-fn write_mesh_to(
-    writer: &mut dyn Write,
-    format: MeshFormat,
-    mesh: &TriMesh,
-    options: &MeshOptions,
-) -> std::io::Result<()> {
-    match format {
-        MeshFormat::Ply => ply::write(writer, mesh, options),
-        MeshFormat::Stl => stl::write(writer, mesh, options),
-        MeshFormat::Obj => obj::write(writer, mesh, options),
-    }
-}
-
-/// Says what makes a mesh unusable: an index without its vertex, a coordinate beyond `largest`, a
-/// normal without its vertex.
-fn check(mesh: &TriMesh, largest: f64) -> Result<(), String> {
-    let count = mesh.vertices.len();
-    let usable = |x: &f64| x.abs() <= largest;
-    if let Some(v) = mesh.vertices.iter().position(|v| !v.iter().all(usable)) {
-        return Err(format!(
-            "vertex {v} lies at {:?}, which is not finite or too large",
-            mesh.vertices[v]
-        ));
-    }
-    let missing = |index: &u32| *index as usize >= count;
-    if let Some(t) = mesh.triangles.iter().position(|t| t.iter().any(missing)) {
-        let corners = mesh.triangles[t];
-        return Err(format!(
-            "triangle {t} has corners {corners:?}, but there are {count} vertices"
-        ));
-    }
-    if !mesh.normals.is_empty() && mesh.normals.len() != count {
-        return Err(format!("it has {} normals for {count} vertices", mesh.normals.len()));
-    }
-    Ok(())
 }
 
 /// Appends a polygon to `triangles` as a fan around its first corner; says what is wrong with it.

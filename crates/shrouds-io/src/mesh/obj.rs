@@ -1,4 +1,5 @@
-//! Wavefront OBJ: text, out and in. Materials, textures, groups and curves are passed over.
+//! Wavefront OBJ: text, out and in. What is read passes over materials,
+//! textures, groups and curves.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -6,29 +7,47 @@ use std::path::Path;
 use shrouds::TriMesh;
 
 use crate::error::Error;
-use crate::mesh::records::write_text;
+use crate::mesh::part::Parts;
+use crate::mesh::records::write_gathered;
 use crate::mesh::{Line, MeshOptions, Precision, push_fan};
 
-pub(super) fn write(
-    writer: &mut dyn Write,
-    mesh: &TriMesh,
-    options: &MeshOptions,
-) -> io::Result<()> {
+pub(super) fn write(writer: &mut dyn Write, parts: Parts, options: &MeshOptions) -> io::Result<()> {
     writeln!(writer, "# {}", options.comment())?;
-    let vertices = mesh.vertices.iter();
-    match options.precision {
-        Precision::Single => {
-            write_text(writer, vertices, |v, text| put_line(text, b"v", v.map(|x| x as f32)))
+    let with_normals = parts.have_normals();
+    for (first, part) in parts.counted() {
+        if !part.name.is_empty() {
+            let name = part.name.replace(|c: char| c.is_whitespace() || c.is_control(), "_");
+            // Some programs tell parts apart by o, others by g.
+            writeln!(writer, "o {name}\ng {name}")?;
         }
-        Precision::Double => write_text(writer, vertices, |v, text| put_line(text, b"v", *v)),
-    }?;
-    write_text(writer, mesh.normals.iter(), |n, text| put_line(text, b"vn", *n))?;
-    let with_normals = !mesh.normals.is_empty();
-    write_text(writer, mesh.triangles.iter(), |triangle, text| {
+        let vertices = part.mesh.vertices.iter();
+        match options.precision {
+            Precision::Single => write_gathered(writer, vertices, |v, text| {
+                put_line(text, b"v", v.map(|x| x as f32))
+            }),
+            Precision::Double => {
+                write_gathered(writer, vertices, |v, text| put_line(text, b"v", *v))
+            }
+        }?;
+        if with_normals {
+            write_gathered(writer, part.mesh.normals.iter(), |n, text| put_line(text, b"vn", *n))?;
+        }
+        write_faces(writer, &part.mesh.triangles, first, with_normals)?;
+    }
+    Ok(())
+}
+
+fn write_faces(
+    writer: &mut dyn Write,
+    triangles: &[[u32; 3]],
+    first: u32,
+    with_normals: bool,
+) -> io::Result<()> {
+    write_gathered(writer, triangles.iter(), |triangle, text| {
         text.push(b'f');
         for index in triangle {
             let mut digits = itoa::Buffer::new();
-            let digits = digits.format(u64::from(*index) + 1).as_bytes();
+            let digits = digits.format(u64::from(first + *index) + 1).as_bytes();
             text.push(b' ');
             text.extend_from_slice(digits);
             if with_normals {
@@ -47,19 +66,18 @@ pub(super) fn write_lines(
 ) -> io::Result<()> {
     writeln!(writer, "# {}", options.comment())?;
     let points = lines.iter().flat_map(|line| line.points);
-    write_text(writer, points, |p, text| match options.precision {
+    write_gathered(writer, points, |p, text| match options.precision {
         Precision::Single => put_line(text, b"v", p.map(|x| x as f32)),
         Precision::Double => put_line(text, b"v", *p),
     })?;
     let mut first = 1;
     for line in lines.iter().filter(|line| !line.points.is_empty()) {
-        let end = first + line.points.len();
         write!(writer, "l")?;
-        for index in (first..end).chain(line.closed.then_some(first)) {
+        for index in line.indices(first) {
             write!(writer, " {index}")?;
         }
         writeln!(writer)?;
-        first = end;
+        first += line.points.len() as u64;
     }
     Ok(())
 }

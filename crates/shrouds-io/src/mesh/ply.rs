@@ -1,65 +1,133 @@
-//! PLY out: binary, little endian.
+//! PLY out: binary, little endian, all parts in one list of vertices and one of faces.
 
 use std::io::{self, Write};
 
-use shrouds::TriMesh;
-
-use crate::mesh::records::write_fixed;
+use crate::mesh::part::{Part, Parts};
+use crate::mesh::records::{put, write_fixed, write_records};
 use crate::mesh::{MeshOptions, Precision};
 
-pub(super) fn write(
-    writer: &mut dyn Write,
-    mesh: &TriMesh,
-    options: &MeshOptions,
-) -> io::Result<()> {
-    writer.write_all(header(mesh, options).as_bytes())?;
-    let vertices = mesh.vertices.iter();
-    let both = vertices.clone().zip(&mesh.normals);
-    match (options.precision, mesh.normals.is_empty()) {
-        (Precision::Single, true) => write_fixed(writer, vertices, |v, record: &mut [u8; 12]| {
-            put(record, v.map(|x| (x as f32).to_le_bytes()));
-        }),
-        (Precision::Single, false) => write_fixed(writer, both, |(v, n), record: &mut [u8; 24]| {
-            let (place, normal) = record.split_at_mut(12);
-            put(place, v.map(|x| (x as f32).to_le_bytes()));
-            put(normal, n.map(f32::to_le_bytes));
-        }),
-        (Precision::Double, true) => write_fixed(writer, vertices, |v, record: &mut [u8; 24]| {
-            put(record, v.map(f64::to_le_bytes));
-        }),
-        (Precision::Double, false) => write_fixed(writer, both, |(v, n), record: &mut [u8; 48]| {
-            let (place, normal) = record.split_at_mut(24);
-            put(place, v.map(f64::to_le_bytes));
-            put(normal, n.map(|x| f64::from(x).to_le_bytes()));
-        }),
-    }?;
-    write_fixed(writer, mesh.triangles.iter(), |triangle, record: &mut [u8; 13]| {
-        record[0] = 3;
-        put(&mut record[1..], triangle.map(u32::to_le_bytes));
-    })
+/// How the label of a vertex is stored; PLY has no integers of more than 32 bits.
+#[derive(Clone, Copy)]
+enum Label {
+    Int(i32),
+    Double(f64),
 }
 
-/// Puts three numbers at the beginning of a record.
-fn put<const SIZE: usize>(record: &mut [u8], numbers: [[u8; SIZE]; 3]) {
-    record[..3 * SIZE].copy_from_slice(numbers.as_flattened());
+/// Largest whole number up to which 64-bit floats hold all.
+const WHOLE: u64 = 1 << 53;
+
+/// A file that is ready to be written.
+pub(super) struct Ply<'a> {
+    parts: Parts<'a>,
+    options: &'a MeshOptions,
+    with_normals: bool,
+    /// One for each part, all of one type; empty for none.
+    labels: Vec<Label>,
 }
 
-fn header(mesh: &TriMesh, options: &MeshOptions) -> String {
-    let float = match options.precision {
-        Precision::Single => "float",
-        Precision::Double => "double",
-    };
-    let names: &[&str] =
-        if mesh.normals.is_empty() { &["x", "y", "z"] } else { &["x", "y", "z", "nx", "ny", "nz"] };
-    let properties: String =
-        names.iter().map(|name| format!("property {float} {name}\n")).collect();
-    // Everybody reads int; uint only where it must be.
-    let index = if mesh.vertices.len() > i32::MAX as usize { "uint" } else { "int" };
-    format!(
-        "ply\nformat binary_little_endian 1.0\ncomment {}\nelement vertex {}\n{properties}\
-         element face {}\nproperty list uchar {index} vertex_indices\nend_header\n",
-        options.comment(),
-        mesh.vertices.len(),
-        mesh.triangles.len()
-    )
+impl<'a> Ply<'a> {
+    /// Says what keeps the parts from being a PLY file.
+    pub(super) fn new(parts: Parts<'a>, options: &'a MeshOptions) -> Result<Self, String> {
+        let labels = parts.labels().unwrap_or_default();
+        if let Some(label) = labels.iter().find(|label| label.unsigned_abs() > WHOLE) {
+            return Err(format!("the label {label} is too large for PLY; write .vtp instead"));
+        }
+        let ints: Result<Vec<i32>, _> = labels.iter().map(|label| i32::try_from(*label)).collect();
+        let labels = match ints {
+            Ok(ints) => ints.into_iter().map(Label::Int).collect(),
+            Err(_) => labels.into_iter().map(|label| Label::Double(label as f64)).collect(),
+        };
+        Ok(Self { parts, options, with_normals: parts.have_normals(), labels })
+    }
+
+    pub(super) fn write(&self, writer: &mut dyn Write) -> io::Result<()> {
+        writer.write_all(self.header().as_bytes())?;
+        for (n, part) in self.parts.iter().enumerate() {
+            self.write_vertices(writer, part, self.labels.get(n).copied())?;
+        }
+        for (first, part) in self.parts.counted() {
+            let triangles = part.mesh.triangles.iter();
+            write_fixed(writer, triangles, |triangle, record: &mut [u8; 13]| {
+                record[0] = 3;
+                put(&mut record[1..], triangle.map(|v| (first + v).to_le_bytes()).as_flattened());
+            })?;
+        }
+        Ok(())
+    }
+
+    fn write_vertices(
+        &self,
+        writer: &mut dyn Write,
+        part: &Part,
+        label: Option<Label>,
+    ) -> io::Result<()> {
+        let numbers = if self.with_normals { 6 } else { 3 };
+        let float = match self.options.precision {
+            Precision::Single => 4,
+            Precision::Double => 8,
+        };
+        let label_size = label.map_or(0, |label| label.bytes().1);
+        let size = numbers * float + 4 * part.attributes.len() + label_size;
+        write_records(writer, size, 0..part.mesh.vertices.len(), |v, record| {
+            let mut rest = self.put(record, part.mesh.vertices[v]);
+            if self.with_normals {
+                rest = self.put(rest, part.mesh.normals[v].map(f64::from));
+            }
+            for attribute in part.attributes {
+                rest = put(rest, &attribute.values[v].to_le_bytes());
+            }
+            if let Some((bytes, size)) = label.map(Label::bytes) {
+                put(rest, &bytes[..size]);
+            }
+        })
+    }
+
+    /// Puts three numbers at the beginning of a record; what follows them.
+    fn put<'r>(&self, record: &'r mut [u8], numbers: [f64; 3]) -> &'r mut [u8] {
+        match self.options.precision {
+            Precision::Single => {
+                put(record, numbers.map(|x| (x as f32).to_le_bytes()).as_flattened())
+            }
+            Precision::Double => put(record, numbers.map(f64::to_le_bytes).as_flattened()),
+        }
+    }
+
+    fn header(&self) -> String {
+        let float = match self.options.precision {
+            Precision::Single => "float",
+            Precision::Double => "double",
+        };
+        let numbers: &[&str] =
+            if self.with_normals { &["x", "y", "z", "nx", "ny", "nz"] } else { &["x", "y", "z"] };
+        let label = self.labels.first().map(|label| match label {
+            Label::Int(_) => ("int", "label"),
+            Label::Double(_) => ("double", "label"),
+        });
+        let numbers = numbers.iter().map(|name| (float, *name));
+        let attributes = self.parts.attribute_names().map(|name| ("float", name));
+        let properties: String = numbers
+            .chain(attributes)
+            .chain(label)
+            .map(|(kind, name)| format!("property {kind} {name}\n"))
+            .collect();
+        let vertices = self.parts.vertex_count();
+        // Everybody reads int; uint only where it must be.
+        let index = if vertices > i32::MAX as usize { "uint" } else { "int" };
+        format!(
+            "ply\nformat binary_little_endian 1.0\ncomment {}\nelement vertex {vertices}\n\
+             {properties}element face {}\nproperty list uchar {index} vertex_indices\nend_header\n",
+            self.options.comment(),
+            self.parts.triangle_count()
+        )
+    }
+}
+
+impl Label {
+    /// Its bytes, and how many of them count.
+    fn bytes(self) -> ([u8; 8], usize) {
+        match self {
+            Self::Int(label) => (i64::from(label).to_le_bytes(), 4),
+            Self::Double(label) => (label.to_le_bytes(), 8),
+        }
+    }
 }

@@ -11,30 +11,29 @@ use shrouds::TriMesh;
 
 use crate::error::Error;
 use crate::mesh::MeshOptions;
+use crate::mesh::part::{Part, Parts};
 use crate::mesh::records::write_fixed;
 
 const HEADER: usize = 84;
 const TRIANGLE: usize = 50;
 
-pub(super) fn write(
-    writer: &mut dyn Write,
-    mesh: &TriMesh,
-    options: &MeshOptions,
-) -> io::Result<()> {
+pub(super) fn write(writer: &mut dyn Write, parts: Parts, options: &MeshOptions) -> io::Result<()> {
     // The comment begins with the name of the program: never with "solid", which marks text.
     let mut header = [b' '; HEADER];
     for (byte, text) in header[..80].iter_mut().zip(options.comment().bytes()) {
         *byte = text;
     }
-    header[80..].copy_from_slice(&(mesh.triangles.len() as u32).to_le_bytes());
+    header[80..].copy_from_slice(&(parts.triangle_count() as u32).to_le_bytes());
     writer.write_all(&header)?;
-    write_fixed(writer, mesh.triangles.iter(), |triangle, record: &mut [u8; TRIANGLE]| {
-        let corners = triangle.map(|index| mesh.vertices[index as usize]);
-        let vectors = [normal(corners), corners[0], corners[1], corners[2]];
-        let floats = record.as_chunks_mut::<4>().0;
-        for (bytes, x) in floats.iter_mut().zip(vectors.as_flattened()) {
-            *bytes = (*x as f32).to_le_bytes();
-        }
+    parts.iter().try_for_each(|Part { mesh, .. }| {
+        write_fixed(writer, mesh.triangles.iter(), |triangle, record: &mut [u8; TRIANGLE]| {
+            let corners = mesh.corners(*triangle);
+            let vectors = [normal(corners), corners[0], corners[1], corners[2]];
+            let floats = record.as_chunks_mut::<4>().0;
+            for (bytes, x) in floats.iter_mut().zip(vectors.as_flattened()) {
+                *bytes = (*x as f32).to_le_bytes();
+            }
+        })
     })
 }
 

@@ -5,8 +5,10 @@
 
 mod common;
 mod damage;
+mod decode;
 mod meshes;
 mod metaimage;
 mod nrrd;
 mod raw;
+mod parts;
 mod volumes;
