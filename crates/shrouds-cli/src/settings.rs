@@ -226,8 +226,7 @@ pub(crate) fn volume_options<'a>(args: &VolumeArgs, progress: Progress<'a>) -> V
             Axes::Xyz => shrouds_io::Axes::Xyz,
         },
         spacing: args.spacing,
-        layer: None,
-        array: None,
         progress: Some(progress),
+        ..VolumeOptions::default()
     }
 }

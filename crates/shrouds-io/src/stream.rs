@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
-use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
+use flate2::bufread::{DeflateDecoder, MultiGzDecoder, ZlibDecoder};
 
 use crate::error::Error;
 
@@ -57,6 +57,13 @@ impl<'a> Stream<'a> {
         let most = self.remaining.map(|bytes| bytes.saturating_mul(EXPANSION));
         let reader = Box::new(BufReader::new(ZlibDecoder::new(self.reader)));
         Self { reader, method: Some("zlib"), remaining: None, most, ..self }
+    }
+
+    /// From here on the bytes are deflated, without a header of their own.
+    pub(crate) fn deflated(self) -> Self {
+        let most = self.remaining.map(|bytes| bytes.saturating_mul(EXPANSION));
+        let reader = Box::new(BufReader::new(DeflateDecoder::new(self.reader)));
+        Self { reader, method: Some("deflate"), remaining: None, most, ..self }
     }
 
     /// Bytes left in an uncompressed file, if its length is known.

@@ -28,6 +28,8 @@ pub struct VolumeOptions<'a> {
     /// Which array of a file that holds several, by its name. Default: the only one, or the one that
     /// the format calls the main one.
     pub array: Option<&'a str>,
+    /// Which resolution of a file that holds several, from the finest, 0, on. Default 0.
+    pub level: usize,
     /// Called while the file is read, at least every few megabytes. Default: nothing.
     pub progress: Option<Progress<'a>>,
 }
@@ -39,6 +41,7 @@ impl std::fmt::Debug for VolumeOptions<'_> {
             .field("spacing", &self.spacing)
             .field("layer", &self.layer)
             .field("array", &self.array)
+            .field("level", &self.level)
             .field("progress", &self.progress.is_some())
             .finish()
     }
