@@ -4,10 +4,13 @@ import json
 import shutil
 
 import numpy as np
+import pytest
+
+# The packages need Python 3.11.
+zarr = pytest.importorskip("zarr")
+
 import ome_zarr.format
 import ome_zarr.writer
-import pytest
-import zarr
 from numcodecs import LZ4, Blosc, GZip, Zlib, Zstd
 from zarr.codecs import BloscCodec, BytesCodec, GzipCodec, TransposeCodec, ZstdCodec
 

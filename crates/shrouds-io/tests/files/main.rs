@@ -5,5 +5,7 @@
 
 mod common;
 mod damage;
+mod dicom;
 mod meshes;
 mod volumes;
+mod zarr;

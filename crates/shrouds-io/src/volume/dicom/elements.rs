@@ -14,14 +14,14 @@ pub(super) type Tag = u32;
 pub(super) mod tag {
     use super::Tag;
 
-    pub(in super::super) const SEGMENT_SEQUENCE: Tag = 0x0062_0002;
-    pub(in super::super) const SEGMENT_IDENTIFICATION: Tag = 0x0062_000a;
-    pub(in super::super) const SHARED_GROUPS: Tag = 0x5200_9229;
-    pub(in super::super) const FRAME_GROUPS: Tag = 0x5200_9230;
-    pub(in super::super) const PLANE_POSITION: Tag = 0x0020_9113;
-    pub(in super::super) const PLANE_ORIENTATION: Tag = 0x0020_9116;
-    pub(in super::super) const PIXEL_MEASURES: Tag = 0x0028_9110;
-    pub(in super::super) const SEQUENCES: [Tag; 7] = [
+    pub(in crate::volume::dicom) const SEGMENT_SEQUENCE: Tag = 0x0062_0002;
+    pub(in crate::volume::dicom) const SEGMENT_IDENTIFICATION: Tag = 0x0062_000a;
+    pub(in crate::volume::dicom) const SHARED_GROUPS: Tag = 0x5200_9229;
+    pub(in crate::volume::dicom) const FRAME_GROUPS: Tag = 0x5200_9230;
+    pub(in crate::volume::dicom) const PLANE_POSITION: Tag = 0x0020_9113;
+    pub(in crate::volume::dicom) const PLANE_ORIENTATION: Tag = 0x0020_9116;
+    pub(in crate::volume::dicom) const PIXEL_MEASURES: Tag = 0x0028_9110;
+    pub(in crate::volume::dicom) const SEQUENCES: [Tag; 7] = [
         SEGMENT_SEQUENCE,
         SEGMENT_IDENTIFICATION,
         SHARED_GROUPS,
@@ -31,30 +31,30 @@ pub(super) mod tag {
         PIXEL_MEASURES,
     ];
 
-    pub(in super::super) const META_LENGTH: Tag = 0x0002_0000;
-    pub(in super::super) const TRANSFER_SYNTAX: Tag = 0x0002_0010;
-    pub(in super::super) const SOP_CLASS: Tag = 0x0008_0016;
-    pub(in super::super) const MODALITY: Tag = 0x0008_0060;
-    pub(in super::super) const SLICE_THICKNESS: Tag = 0x0018_0050;
-    pub(in super::super) const SPACING_BETWEEN_SLICES: Tag = 0x0018_0088;
-    pub(in super::super) const POSITION: Tag = 0x0020_0032;
-    pub(in super::super) const ORIENTATION: Tag = 0x0020_0037;
-    pub(in super::super) const FRAMES: Tag = 0x0028_0008;
-    pub(in super::super) const ROWS: Tag = 0x0028_0010;
-    pub(in super::super) const COLUMNS: Tag = 0x0028_0011;
-    pub(in super::super) const PIXEL_SPACING: Tag = 0x0028_0030;
-    pub(in super::super) const BITS_ALLOCATED: Tag = 0x0028_0100;
-    pub(in super::super) const TOTAL_COLUMNS: Tag = 0x0048_0006;
-    pub(in super::super) const SEGMENTATION_TYPE: Tag = 0x0062_0001;
-    pub(in super::super) const SEGMENT_NUMBER: Tag = 0x0062_0004;
-    pub(in super::super) const SEGMENT_LABEL: Tag = 0x0062_0005;
-    pub(in super::super) const REFERENCED_SEGMENT: Tag = 0x0062_000b;
-    pub(in super::super) const MAXIMUM_FRACTIONAL_VALUE: Tag = 0x0062_000e;
-    pub(in super::super) const PLAIN: [Tag; 20] = [
+    pub(in crate::volume::dicom) const META_LENGTH: Tag = 0x0002_0000;
+    pub(in crate::volume::dicom) const MEDIA_CLASS: Tag = 0x0002_0002;
+    pub(in crate::volume::dicom) const TRANSFER_SYNTAX: Tag = 0x0002_0010;
+    pub(in crate::volume::dicom) const SOP_CLASS: Tag = 0x0008_0016;
+    pub(in crate::volume::dicom) const SLICE_THICKNESS: Tag = 0x0018_0050;
+    pub(in crate::volume::dicom) const SPACING_BETWEEN_SLICES: Tag = 0x0018_0088;
+    pub(in crate::volume::dicom) const POSITION: Tag = 0x0020_0032;
+    pub(in crate::volume::dicom) const ORIENTATION: Tag = 0x0020_0037;
+    pub(in crate::volume::dicom) const FRAMES: Tag = 0x0028_0008;
+    pub(in crate::volume::dicom) const ROWS: Tag = 0x0028_0010;
+    pub(in crate::volume::dicom) const COLUMNS: Tag = 0x0028_0011;
+    pub(in crate::volume::dicom) const PIXEL_SPACING: Tag = 0x0028_0030;
+    pub(in crate::volume::dicom) const BITS_ALLOCATED: Tag = 0x0028_0100;
+    pub(in crate::volume::dicom) const TOTAL_COLUMNS: Tag = 0x0048_0006;
+    pub(in crate::volume::dicom) const SEGMENTATION_TYPE: Tag = 0x0062_0001;
+    pub(in crate::volume::dicom) const SEGMENT_NUMBER: Tag = 0x0062_0004;
+    pub(in crate::volume::dicom) const SEGMENT_LABEL: Tag = 0x0062_0005;
+    pub(in crate::volume::dicom) const REFERENCED_SEGMENT: Tag = 0x0062_000b;
+    pub(in crate::volume::dicom) const MAXIMUM_FRACTIONAL_VALUE: Tag = 0x0062_000e;
+    pub(in crate::volume::dicom) const PLAIN: [Tag; 20] = [
         META_LENGTH,
         TRANSFER_SYNTAX,
         SOP_CLASS,
-        MODALITY,
+        MEDIA_CLASS,
         SLICE_THICKNESS,
         SPACING_BETWEEN_SLICES,
         POSITION,
@@ -73,10 +73,10 @@ pub(super) mod tag {
         PIXEL_DATA,
     ];
 
-    pub(in super::super) const PIXEL_DATA: Tag = 0x7fe0_0010;
-    pub(in super::super) const ITEM: Tag = 0xfffe_e000;
+    pub(in crate::volume::dicom) const PIXEL_DATA: Tag = 0x7fe0_0010;
+    pub(in crate::volume::dicom) const ITEM: Tag = 0xfffe_e000;
     pub(super) const ITEM_END: Tag = 0xfffe_e00d;
-    pub(in super::super) const SEQUENCE_END: Tag = 0xfffe_e0dd;
+    pub(in crate::volume::dicom) const SEQUENCE_END: Tag = 0xfffe_e0dd;
 }
 
 /// The length of what ends with a delimiter.

@@ -27,6 +27,19 @@ use crate::volume::{Contents, Frame, Segment, Unread, VolumeOptions, lattice};
 const SEGMENTATION: &str = "1.2.840.10008.5.1.4.1.1.66.4";
 const LABEL_MAP: &str = "1.2.840.10008.5.1.4.1.1.66.7";
 
+/// Start of the names of all classes, and what others there are.
+const STORAGE: &str = "1.2.840.10008.5.1.4.1.1.";
+const CLASSES: [(&str, &str); 8] = [
+    ("2", "a slice of a CT series"),
+    ("2.1", "a CT image"),
+    ("4", "a slice of an MR series"),
+    ("4.1", "an MR image"),
+    ("128", "a slice of a PET series"),
+    ("66.5", "a surface segmentation"),
+    ("481.2", "a radiotherapy dose"),
+    ("481.3", "a radiotherapy structure set"),
+];
+
 /// What pixels mean.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
@@ -42,10 +55,13 @@ pub(super) fn open<'a>(stream: Stream<'a>, options: &VolumeOptions) -> Result<Un
     let path = stream.path;
     let mut reader = Reader::new(stream)?;
     let meta = reader.meta()?;
+    if let Some(class) = meta.text(tag::MEDIA_CLASS) {
+        check_class(path, &class)?;
+    }
     let syntax = meta.text(tag::TRANSFER_SYNTAX).unwrap_or_default();
     let (coding, mut reader) = Coding::new(reader, &syntax)?;
     let (header, length) = reader.before_pixels()?;
-    check_class(path, &header)?;
+    check_class(path, &header.text(tag::SOP_CLASS).unwrap_or_default())?;
     let kind = kind(path, &header)?;
     let number = |tag, name: &str| {
         let number = header.number(tag).filter(|number| *number > 0);
@@ -64,6 +80,7 @@ pub(super) fn open<'a>(stream: Stream<'a>, options: &VolumeOptions) -> Result<Un
     };
     let stored = Stored { frames: owners.len(), pixels: rows * columns, bits };
     let pixels = stored.read(&mut reader, coding, (length != UNDEFINED).then_some(length))?;
+    reader.stream.finish()?;
     let mut contents = Contents { warnings: stack.warnings, ..Contents::default() };
     contents.segments = names(&header);
     let maximum = match kind {
@@ -94,17 +111,15 @@ fn unread<'a>(grid: Grid, frame: Frame, contents: Contents, slabs: LabelSlices) 
 }
 
 /// That the file holds a segmentation.
-fn check_class(path: &Path, header: &Dataset) -> Result<(), Error> {
-    let class = header.text(tag::SOP_CLASS).unwrap_or_default();
+fn check_class(path: &Path, class: &str) -> Result<(), Error> {
     if class == SEGMENTATION || class == LABEL_MAP {
         return Ok(());
     }
-    let modality = header.text(tag::MODALITY).filter(|modality| !modality.is_empty());
-    let modality = modality.unwrap_or_else(|| "unknown".into());
-    let what = format!("a DICOM object of modality {modality} (class {class})");
-    let advice =
-        "name a segmentation object (modality SEG), or convert the images to NRRD or NIfTI";
-    Err(Error::unsupported(path, what, advice))
+    let name = class.strip_prefix(STORAGE).unwrap_or_default();
+    let name = CLASSES.iter().find(|(class, _)| *class == name);
+    let name = name.map_or("a DICOM object that is no segmentation", |(_, name)| name);
+    let advice = "name a segmentation object (modality SEG), or convert it to NRRD or NIfTI";
+    Err(Error::unsupported(path, format!("{name} (class {class})"), advice))
 }
 
 fn kind(path: &Path, header: &Dataset) -> Result<Kind, Error> {

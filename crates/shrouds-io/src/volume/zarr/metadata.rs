@@ -13,6 +13,8 @@ use crate::volume::zarr::codec::Packing;
 
 /// Longest file of metadata that is read.
 const MAX_LENGTH: u64 = 1 << 24;
+/// Most voxels of a chunk.
+const MAX_VOXELS: usize = 1 << 40;
 /// Most axes.
 const MAX_RANK: usize = 16;
 
@@ -167,6 +169,7 @@ impl Parser<'_> {
         let metadata = self.metadata;
         let shape = self.numbers(&metadata["shape"], "shape", None)?;
         let stored = self.numbers(&metadata["chunks"], "chunks", Some(shape.len()))?;
+        self.check_size(&stored)?;
         let name = metadata["dtype"].as_str().unwrap_or("of records");
         let endian = if name.starts_with('>') { Endian::Big } else { Endian::Little };
         let element =
@@ -268,6 +271,7 @@ impl Parser<'_> {
     }
 
     fn chunk(&self, shape: Vec<usize>, codecs: &[Value]) -> Result<Chunk, Error> {
+        self.check_size(&shape)?;
         let mut order: Vec<usize> = (0..shape.len()).collect();
         let mut endian = None;
         let mut packing = Vec::new();
@@ -286,6 +290,16 @@ impl Parser<'_> {
         }
         let endian = endian.ok_or_else(|| self.damaged("no codec makes bytes of elements"))?;
         Ok(Chunk { shape, order, endian, packing })
+    }
+
+    /// That the places of voxels in a chunk are numbers; how large it may be depends on its file.
+    fn check_size(&self, chunk: &[usize]) -> Result<(), Error> {
+        let voxels = chunk.iter().try_fold(1usize, |all, n| all.checked_mul(*n));
+        if voxels.is_some_and(|voxels| voxels <= MAX_VOXELS) {
+            return Ok(());
+        }
+        let advice = "write the array again in chunks of at most a gigabyte";
+        Err(Error::unsupported(&self.node.file, format!("chunks of shape {chunk:?}"), advice))
     }
 
     fn index(&self, shard: &Value) -> Result<Index, Error> {

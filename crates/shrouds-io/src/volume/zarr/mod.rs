@@ -43,6 +43,7 @@ struct Found {
 }
 
 pub(super) fn open<'a>(path: &'a Path, options: &VolumeOptions<'a>) -> Result<Unread<'a>, Error> {
+    std::fs::metadata(path).map_err(|cause| Error::open(path, cause))?;
     let Some(node) = Node::read(path)? else {
         let advice =
             "name a folder with zarr.json, .zgroup or .zarray in it; unpack archives first";

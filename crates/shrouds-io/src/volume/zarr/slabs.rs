@@ -131,12 +131,13 @@ impl<'a> Rows<'a> {
         if self.layout.layers(&self.array.shape) == 1 {
             self.total = presence.bytes;
         }
-        let product = |numbers: &[usize]| numbers.iter().map(|n| *n as u128).product::<u128>();
+        let product =
+            |numbers: &[usize]| numbers.iter().fold(1u128, |all, n| all.saturating_mul(*n as u128));
         let element = self.array.element.size() as u128;
         let voxels = product(&self.dims);
-        let there = presence.files as u128 * product(&self.file);
+        let there = product(&self.file).saturating_mul(presence.files as u128);
         let files: u128 = (0..3).map(|n| self.dims[n].div_ceil(self.file[n]) as u128).product();
-        let too_sparse = voxels * element > MOST_BYTES && voxels > SPARSEST * there;
+        let too_sparse = voxels * element > MOST_BYTES && voxels / SPARSEST > there;
         let too_many = files > MOST_FILES + SPARSEST * presence.files as u128;
         if too_sparse || too_many {
             let [x, y, z] = self.dims;
