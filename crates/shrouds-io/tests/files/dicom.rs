@@ -224,7 +224,7 @@ fn label_maps_in_every_coding() {
 pub(crate) fn overlapping() -> (Segmentation, [Vec<bool>; 3]) {
     let inside = |segment: usize| {
         let bit = move |n: usize| match segment {
-            0 => n % 3 == 0,
+            0 => n.is_multiple_of(3),
             1 => n.is_multiple_of(5),
             _ => n % 3 == 1 && !n.is_multiple_of(5),
         };
@@ -271,10 +271,9 @@ fn segments_that_overlap_are_put_into_layers() {
         (Select::Labels(vec![1, 2]), vec![0, 1]),
     ] {
         let occupancy = wanted(select);
-        for n in 0..24 {
-            let expected = numbers.iter().any(|segment| segments[*segment][n]);
-            assert_eq!(occupancy.get([n % 4, n / 4 % 3, n / 12]), expected, "{n} {numbers:?}");
-        }
+        let found: Vec<bool> = (0..24).map(|n| occupancy.get([n % 4, n / 4 % 3, n / 12])).collect();
+        let any = |n| numbers.iter().any(|segment: &usize| segments[*segment][n]);
+        assert_eq!(found, (0..24).map(any).collect::<Vec<bool>>(), "{numbers:?}");
     }
 }
 

@@ -1,33 +1,19 @@
-//! What a Zarr folder says of itself: `zarr.json` of version 3, `.zarray`, `.zgroup` and `.zattrs`
-//! of version 2.
+//! The metadata of an array, versions 2 and 3: its shape, and how its chunks are stored.
 
-use std::fs::File;
-use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use serde_json::Value;
 
 use crate::error::Error;
-use crate::volume::decode::{Element, Endian, half};
+use crate::volume::decode::{Element, Endian};
 use crate::volume::zarr::codec::Packing;
+use crate::volume::zarr::element::{data_type, fill_bytes, numpy_type};
+use crate::volume::zarr::node::Node;
 
-/// Longest file of metadata that is read.
-const MAX_LENGTH: u64 = 1 << 24;
 /// Most voxels of a chunk.
 const MAX_VOXELS: usize = 1 << 40;
 /// Most axes.
 const MAX_RANK: usize = 16;
-
-/// A folder of a hierarchy.
-#[derive(Debug)]
-pub(super) struct Node {
-    pub(super) folder: PathBuf,
-    /// The file with its metadata.
-    pub(super) file: PathBuf,
-    pub(super) attributes: Value,
-    /// The metadata, if it is an array.
-    array: Option<Value>,
-}
 
 /// An array: its shape, and how its chunks are stored.
 #[derive(Debug)]
@@ -72,6 +58,15 @@ pub(super) struct Index {
     pub(super) checksum: bool,
 }
 
+impl Array {
+    /// The array that a node is, if it is one.
+    pub(super) fn of(node: &Node) -> Result<Option<Self>, Error> {
+        let Some(metadata) = &node.array else { return Ok(None) };
+        let parser = Parser { node, metadata };
+        if metadata["zarr_format"] == 2 { parser.second() } else { parser.third() }.map(Some)
+    }
+}
+
 impl Keys {
     /// The file of a chunk within the folder of the array.
     pub(super) fn file(&self, numbers: &[usize]) -> String {
@@ -84,70 +79,6 @@ impl Keys {
         }
         name
     }
-}
-
-impl Node {
-    /// The node in a folder, if it is one.
-    pub(super) fn read(folder: &Path) -> Result<Option<Self>, Error> {
-        let file = folder.join("zarr.json");
-        if let Some(mut metadata) = json(&file)? {
-            let attributes = metadata["attributes"].take();
-            let is_array = metadata["node_type"] == "array";
-            let array = is_array.then_some(metadata);
-            return Ok(Some(Self { folder: folder.into(), file, attributes, array }));
-        }
-        let attributes = json(&folder.join(".zattrs"))?;
-        let file = folder.join(".zarray");
-        if let Some(array) = json(&file)? {
-            let attributes = attributes.unwrap_or_default();
-            return Ok(Some(Self { folder: folder.into(), file, attributes, array: Some(array) }));
-        }
-        if attributes.is_none() && json(&folder.join(".zgroup"))?.is_none() {
-            return Ok(None);
-        }
-        let attributes = attributes.unwrap_or_default();
-        Ok(Some(Self {
-            folder: folder.into(),
-            file: folder.join(".zattrs"),
-            attributes,
-            array: None,
-        }))
-    }
-
-    /// The array that the node is, if it is one.
-    pub(super) fn array(&self) -> Result<Option<Array>, Error> {
-        let Some(metadata) = &self.array else { return Ok(None) };
-        let parser = Parser { node: self, metadata };
-        if metadata["zarr_format"] == 2 { parser.second() } else { parser.third() }.map(Some)
-    }
-
-    pub(super) fn is_array(&self) -> bool {
-        self.array.is_some()
-    }
-
-    /// What OME says of the node, wherever the version puts it.
-    pub(super) fn ome(&self) -> &Value {
-        let ome = &self.attributes["ome"];
-        if ome.is_object() { ome } else { &self.attributes }
-    }
-}
-
-/// Reads a file of metadata, if there is one.
-fn json(path: &Path) -> Result<Option<Value>, Error> {
-    let file = match File::open(path) {
-        Ok(file) => file,
-        Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-        Err(cause) => return Err(Error::open(path, cause)),
-    };
-    let mut text = Vec::new();
-    let read = file.take(MAX_LENGTH + 1).read_to_end(&mut text);
-    read.map_err(|cause| Error::open(path, cause))?;
-    if text.len() as u64 > MAX_LENGTH {
-        return Err(Error::header(path, format!("it is longer than {MAX_LENGTH} bytes")));
-    }
-    let value =
-        serde_json::from_slice(&text).map_err(|error| Error::header(path, error.to_string()))?;
-    Ok(Some(value))
 }
 
 struct Parser<'a> {
@@ -377,84 +308,6 @@ impl Parser<'_> {
     }
 }
 
-fn data_type(name: &str) -> Option<Element> {
-    Some(match name {
-        "bool" => Element::Bool,
-        "uint8" => Element::U8,
-        "int8" => Element::I8,
-        "uint16" => Element::U16,
-        "int16" => Element::I16,
-        "uint32" => Element::U32,
-        "int32" => Element::I32,
-        "uint64" => Element::U64,
-        "int64" => Element::I64,
-        "float16" => Element::F16,
-        "float32" => Element::F32,
-        "float64" => Element::F64,
-        _ => return None,
-    })
-}
-
-/// The type of a name such as `<u2`: byte order, kind and number of bytes.
-fn numpy_type(name: &str) -> Option<Element> {
-    let name = name.trim_start_matches(['<', '>', '|', '=']);
-    let (kind, size) = name.split_at_checked(1)?;
-    let bits = size.parse::<usize>().ok()?.checked_mul(8)?;
-    match kind {
-        "b" if bits == 8 => Some(Element::Bool),
-        "u" => data_type(&format!("uint{bits}")),
-        "i" => data_type(&format!("int{bits}")),
-        "f" => data_type(&format!("float{bits}")),
-        _ => None,
-    }
-}
-
 fn endian_of(codec: &Value) -> Endian {
     if codec["configuration"]["endian"] == "big" { Endian::Big } else { Endian::Little }
-}
-
-/// An element, little endian.
-fn fill_bytes(element: Element, value: &Value) -> Option<Vec<u8>> {
-    if value.is_null() {
-        return Some(vec![0; element.size()]);
-    }
-    if let Some(digits) = value.as_str().and_then(|text| text.strip_prefix("0x")) {
-        let bits = u64::from_str_radix(digits, 16).ok()?.to_le_bytes();
-        return Some(bits[..element.size()].into());
-    }
-    let float = match value.as_str() {
-        Some("NaN") => Some(f64::NAN),
-        Some("Infinity") => Some(f64::INFINITY),
-        Some("-Infinity") => Some(f64::NEG_INFINITY),
-        _ => value.as_f64(),
-    };
-    let whole = value.as_i64().map(i128::from).or_else(|| value.as_u64().map(i128::from));
-    let whole = whole.or_else(|| value.as_bool().map(i128::from)).or_else(|| {
-        float.filter(|x| x.fract() == 0.0 && x.abs() < 2f64.powi(53)).map(|x| x as i128)
-    });
-    macro_rules! integer {
-        ($type:ty) => {
-            <$type>::try_from(whole?).ok()?.to_le_bytes().into()
-        };
-    }
-    Some(match element {
-        Element::Bool => vec![u8::from(whole? != 0)],
-        Element::U8 => integer!(u8),
-        Element::I8 => integer!(i8),
-        Element::U16 => integer!(u16),
-        Element::I16 => integer!(i16),
-        Element::U32 => integer!(u32),
-        Element::I32 => integer!(i32),
-        Element::U64 => integer!(u64),
-        Element::I64 => integer!(i64),
-        Element::F16 => {
-            let same = |bits: &u16| {
-                let value = f64::from(half(*bits));
-                Some(value) == float || value.is_nan() && float.is_some_and(f64::is_nan)
-            };
-            (0..=u16::MAX).find(same)?.to_le_bytes().into()
-        }
-        Element::F32 => (float? as f32).to_le_bytes().into(),
-        Element::F64 => float?.to_le_bytes().into(),
-    })
 }

@@ -7,14 +7,17 @@
 mod blosc;
 mod chunks;
 mod codec;
+mod element;
 mod metadata;
+mod node;
 mod ome;
 mod slabs;
 
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
-use crate::volume::zarr::metadata::{Array, Node};
+use crate::volume::zarr::metadata::Array;
+use crate::volume::zarr::node::Node;
 use crate::volume::zarr::ome::{Image, Placement, label_names};
 use crate::volume::zarr::slabs::{Layout, Rows};
 use crate::volume::{
@@ -119,7 +122,7 @@ fn choose(node: Node, options: &VolumeOptions, contents: &mut Contents) -> Resul
 
 /// The array of a node: itself, or the resolution of the image that the options choose.
 fn find(node: &Node, options: &VolumeOptions) -> Result<Found, Error> {
-    if let Some(array) = node.array()? {
+    if let Some(array) = Array::of(node)? {
         return match parent_of(&array)? {
             Some((parent, level)) => placed(&parent, array, level, 1),
             None => {
@@ -137,7 +140,7 @@ fn find(node: &Node, options: &VolumeOptions) -> Result<Found, Error> {
     // A level that is not there is refused once it is known how many there are.
     let level = options.level.min(levels.len() - 1);
     let folder = node.folder.join(levels[level]);
-    let array = Node::read(&folder)?.map(|node| node.array()).transpose()?.flatten();
+    let array = Node::read(&folder)?.map(|node| Array::of(&node)).transpose()?.flatten();
     let array = array.ok_or_else(|| {
         Error::header(&node.file, format!("its resolution '{}' is no array", levels[level]))
     })?;

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::error::Error;
 use crate::volume::Segment;
-use crate::volume::zarr::metadata::Node;
+use crate::volume::zarr::node::Node;
 use crate::volume::zarr::slabs::Layout;
 
 /// Lengths by name in metres, with the names by which they go here.
