@@ -192,13 +192,25 @@ fn gather_bits(block: &[u8], element: usize) -> Vec<u8> {
     if count == 0 || !count.is_multiple_of(8) {
         return gathered;
     }
-    gathered[..count * element].fill(0);
-    for (n, bits) in block.chunks_exact(count / 8).take(8 * element).enumerate() {
-        for (m, byte) in bits.iter().enumerate() {
-            for bit in 0..8 {
-                gathered[(8 * m + bit) * element + n / 8] |= (byte >> bit & 1) << (n % 8);
+    for (n, rows) in block.chunks_exact(count).take(element).enumerate() {
+        for m in 0..count / 8 {
+            let bits = std::array::from_fn(|row| rows[row * count / 8 + m]);
+            for (k, byte) in transposed(bits).into_iter().enumerate() {
+                gathered[(8 * m + k) * element + n] = byte;
             }
         }
     }
     gathered
+}
+
+/// Bit `j` of byte `i` for bit `i` of byte `j`, in blocks of 1, 2 and 4 bits.
+fn transposed(bits: [u8; 8]) -> [u8; 8] {
+    let mut bits = u64::from_le_bytes(bits);
+    for (shift, mask) in
+        [(7, 0x00aa_00aa_00aa_00aa), (14, 0x0000_cccc_0000_cccc), (28, 0x0000_0000_f0f0_f0f0)]
+    {
+        let swapped = (bits ^ bits >> shift) & mask;
+        bits ^= swapped ^ swapped << shift;
+    }
+    bits.to_le_bytes()
 }
