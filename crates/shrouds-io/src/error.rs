@@ -110,6 +110,14 @@ pub enum Error {
         /// What the decoder said.
         cause: io::Error,
     },
+    /// A file with a part of the voxels does not give them.
+    #[error("{}: this chunk of voxels is damaged: {problem}; copy or write it again", .path.display())]
+    Chunk {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        problem: String,
+    },
     /// The dimensions or the frame of the file make no lattice.
     #[error("{}: {cause}", .path.display())]
     Lattice {

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
-use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
+use flate2::bufread::{DeflateDecoder, MultiGzDecoder, ZlibDecoder};
 
 use crate::error::Error;
 use crate::pick::{Pick, Picked};
@@ -106,6 +106,13 @@ impl<'a> Stream<'a> {
         let reader = Box::new(BufReader::new(Picked::new(self.reader, pick)));
         let [remaining, most] = [self.remaining, self.most].map(|left| left.map(|n| pick.count(n)));
         Self { reader, remaining, most, ..self }
+    }
+
+    /// From here on the bytes are deflated, without a header of their own.
+    pub(crate) fn deflated(self) -> Self {
+        let most = self.remaining.map(|bytes| bytes.saturating_mul(EXPANSION));
+        let reader = Box::new(BufReader::new(DeflateDecoder::new(self.reader)));
+        Self { reader, method: Some("deflate"), remaining: None, most, ..self }
     }
 
     /// Bytes left in an uncompressed file, if its length is known.

@@ -9,6 +9,7 @@ mod decode;
 mod file_names;
 mod metaimage;
 mod metaimage_frame;
+mod dicom;
 mod nifti;
 mod nifti_affine;
 mod npy;
@@ -23,6 +24,7 @@ mod options;
 mod raw;
 mod values;
 mod write;
+mod zarr;
 
 use std::path::Path;
 
@@ -108,6 +110,10 @@ pub enum VolumeFormat {
     MetaImage,
     /// Voxels and nothing else, `.raw` or `.bin`.
     Raw,
+    /// DICOM segmentation, `.dcm`.
+    Dicom,
+    /// Zarr or OME-Zarr in a folder, `.zarr` or any with its metadata in it.
+    Zarr,
 }
 
 /// The volume format that the extension of `path` names, in upper or lower case.
@@ -127,14 +133,19 @@ pub fn volume_format(path: impl AsRef<Path>) -> Result<VolumeFormat, Error> {
         (".mhd", VolumeFormat::MetaImage),
         (".raw", VolumeFormat::Raw),
         (".bin", VolumeFormat::Raw),
+        (".dcm", VolumeFormat::Dicom),
+        (".zarr", VolumeFormat::Zarr),
     ];
+    if zarr::is_zarr(path) {
+        return Ok(VolumeFormat::Zarr);
+    }
     let known = formats.iter().find(|(extension, _)| name.ends_with(extension));
     known.map(|(_, format)| *format).ok_or_else(|| {
         let known = match name.rsplit('.').next() {
             Some("hdr" | "img" | "gz") => {
                 "NIfTI is read from one file, .nii or .nii.gz: convert the pair to that"
             }
-            _ => "volumes are read from .npy, .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd and .raw",
+            _ => "volumes are read from .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd, .dcm, .zarr, .npy and .raw",
         };
         Error::Extension { path: path.into(), kind: "volume", known }
     })
@@ -199,7 +210,8 @@ pub fn read_occupancy(
     if layers == 1 || options.layer.is_some() {
         return fill(path, first, select);
     }
-    if first.contents.segments.is_empty() {
+    // Segments of a series lie in its first layer, or in none.
+    if first.contents.segments.iter().all(|segment| segment.layer == 0) {
         return Err(no_layer(path, &first.contents));
     }
     let mut all = fill(path, first, select)?;
@@ -275,18 +287,26 @@ fn open<'a>(path: &'a Path, options: &VolumeOptions<'a>) -> Result<Unread<'a>, E
         VolumeFormat::Nrrd => nrrd::open(stream()?, options),
         VolumeFormat::MetaImage => metaimage::open(stream()?, options),
         VolumeFormat::Raw => raw::open(stream()?, options),
+        VolumeFormat::Dicom => dicom::open(stream()?, options),
+        VolumeFormat::Zarr => zarr::open(path, options),
     }?;
+    let Contents { layers, levels, .. } = unread.contents;
+    if options.level >= levels {
+        return Err(Error::Choice { path: path.into(), choices: numbered("level", levels) });
+    }
     match options.layer {
-        Some(layer) if layer >= unread.contents.layers => Err(no_layer(path, &unread.contents)),
+        Some(layer) if layer >= layers => Err(no_layer(path, &unread.contents)),
         _ => Ok(unread),
     }
 }
 
 /// That the options name no layer of the file.
 fn no_layer(path: &Path, contents: &Contents) -> Error {
-    let last = contents.layers - 1;
-    let choices = if last == 0 { "frame 0 only".into() } else { format!("frames 0 to {last}") };
-    Error::Choice { path: path.into(), choices }
+    Error::Choice { path: path.into(), choices: numbered("frame", contents.layers) }
+}
+
+fn numbered(what: &str, count: usize) -> String {
+    if count == 1 { format!("{what} 0 only") } else { format!("{what}s 0 to {}", count - 1) }
 }
 
 /// The lattice with the affine of the file, or with the spacing that the caller gave instead.

@@ -7,7 +7,8 @@ use flate2::Compression;
 use flate2::write::{GzEncoder, ZlibEncoder};
 use shrouds::Select;
 use shrouds_io::{
-    Error, Selected, Values, Volume, VolumeOptions, read_contents, read_occupancy, read_volume,
+    Contents, Error, Selected, Values, Volume, VolumeOptions, read_contents, read_occupancy,
+    read_volume,
 };
 use tempfile::TempDir;
 
@@ -181,10 +182,9 @@ pub(crate) fn read_both(path: &Path, options: &VolumeOptions) -> Result<Volume, 
 }
 
 fn has_layered_segments(path: &Path, options: &VolumeOptions) -> bool {
-    options.layer.is_none() && {
-        let (_, _, contents) = read_contents(path, options).unwrap();
-        contents.layers > 1 && !contents.segments.is_empty()
-    }
+    let layered = |contents: Contents| contents.layers > 1 && !contents.segments.is_empty();
+    options.layer.is_none()
+        && read_contents(path, options).is_ok_and(|(_, _, contents)| layered(contents))
 }
 
 /// A folder that goes away, and the files in it.

@@ -6,9 +6,11 @@
 mod common;
 mod damage;
 mod decode;
+mod dicom;
 mod meshes;
 mod metaimage;
 mod nrrd;
 mod raw;
 mod parts;
 mod volumes;
+mod zarr;
