@@ -24,6 +24,7 @@ mod error;
 mod mesh;
 mod stream;
 mod volume;
+mod xml;
 
 pub use atomic::write_atomically;
 pub use error::Error;

@@ -1,7 +1,7 @@
 //! Bytes of an input file: plain, gzip or zlib, with errors that name it and a report of the progress.
 
-use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read};
+use std::fs::{File, Metadata};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
@@ -14,8 +14,8 @@ pub type Progress<'a> = &'a dyn Fn(u64, u64);
 
 /// Bytes between two reports of the progress.
 const REPORT_EVERY: u64 = 1 << 22;
-/// Bytes that one compressed byte can become at most: those of a block of 258 in two bits.
-const EXPANSION: u64 = 1032;
+/// Bytes that one deflated byte can become at most: those of a block of 258 in two bits.
+pub(crate) const EXPANSION: u64 = 1032;
 /// Compressed data with more bytes than these after the last element is damaged, or a trap.
 const MOST_AFTER: u64 = 1 << 26;
 
@@ -32,11 +32,16 @@ pub(crate) struct Stream<'a> {
 
 impl<'a> Stream<'a> {
     pub(crate) fn open(path: &'a Path, progress: Option<Progress<'a>>) -> Result<Self, Error> {
-        let file = File::open(path).map_err(|cause| Error::open(path, cause))?;
-        let data = file.metadata().map_err(|cause| Error::open(path, cause))?;
-        if data.is_dir() {
-            return Err(Error::unsupported(path, "a folder", "name one of the files in it"));
-        }
+        Self::open_for(path, path, progress)
+    }
+
+    /// Opens `part`, one of the files of the volume `path`: errors in what it holds name `path`.
+    pub(crate) fn open_for(
+        path: &'a Path,
+        part: &Path,
+        progress: Option<Progress<'a>>,
+    ) -> Result<Self, Error> {
+        let (file, data) = open_file(part)?;
         let reader = Counted { file, length: data.len(), read: 0, reported: 0, progress };
         // Pipes have no length to check.
         let remaining = data.is_file().then_some(data.len());
@@ -44,19 +49,51 @@ impl<'a> Stream<'a> {
         Ok(Self { path, reader, method: None, remaining, most: remaining })
     }
 
+    /// The `length` bytes of a file from `start` on, or what there is of them.
+    pub(crate) fn open_range(
+        path: &'a Path,
+        start: u64,
+        length: u64,
+        progress: Option<Progress<'a>>,
+    ) -> Result<Self, Error> {
+        let (mut file, data) = open_file(path)?;
+        let sought = file.seek(SeekFrom::Start(start));
+        sought.map_err(|cause| Error::open(path, cause))?;
+        let remaining = Some(data.len().saturating_sub(start).min(length));
+        let reader = Counted { file, length: data.len(), read: start, reported: start, progress };
+        let reader = Box::new(BufReader::new(reader.take(length)));
+        Ok(Self { path, reader, method: None, remaining, most: remaining })
+    }
+
+    /// From here on the bytes go through `decode`, which makes at most `expansion` of one.
+    pub(crate) fn through<R: Read + 'a>(
+        self,
+        method: &'static str,
+        expansion: u64,
+        decode: impl FnOnce(Box<dyn BufRead + 'a>) -> R,
+    ) -> Self {
+        let most = self.most.map(|bytes| bytes.saturating_mul(expansion));
+        let reader = Box::new(BufReader::new(decode(self.reader)));
+        Self { path: self.path, reader, method: Some(method), remaining: None, most }
+    }
+
+    /// From here on there are at most `length` bytes.
+    pub(crate) fn limited(self, length: u64) -> Self {
+        let least = |left: Option<u64>| left.map(|left| left.min(length));
+        let (remaining, most) =
+            (least(self.remaining), Some(self.most.map_or(length, |most| most.min(length))));
+        Self { reader: Box::new(self.reader.take(length)), remaining, most, ..self }
+    }
+
     /// From here on the bytes are gzip.
     pub(crate) fn unpacked(self) -> Self {
-        let most = self.remaining.map(|bytes| bytes.saturating_mul(EXPANSION));
-        let reader = Box::new(BufReader::new(MultiGzDecoder::new(self.reader)));
-        Self { reader, method: Some("gzip"), remaining: None, most, ..self }
+        self.through("gzip", EXPANSION, MultiGzDecoder::new)
     }
 
     /// From here on the bytes are zlib.
-    #[expect(dead_code, reason = "MetaImage and VTI come next")]
+    #[expect(dead_code, reason = "MetaImage comes next")]
     pub(crate) fn inflated(self) -> Self {
-        let most = self.remaining.map(|bytes| bytes.saturating_mul(EXPANSION));
-        let reader = Box::new(BufReader::new(ZlibDecoder::new(self.reader)));
-        Self { reader, method: Some("zlib"), remaining: None, most, ..self }
+        self.through("zlib", EXPANSION, ZlibDecoder::new)
     }
 
     /// Bytes left in an uncompressed file, if its length is known.
@@ -136,6 +173,16 @@ impl<'a> Stream<'a> {
         }
         Error::Io { path, doing: "read it", cause, advice: "check the disk and try again" }
     }
+}
+
+/// A file that is no folder, and what the system says of it.
+pub(crate) fn open_file(path: &Path) -> Result<(File, Metadata), Error> {
+    let file = File::open(path).map_err(|cause| Error::open(path, cause))?;
+    let data = file.metadata().map_err(|cause| Error::open(path, cause))?;
+    if data.is_dir() {
+        return Err(Error::unsupported(path, "a folder", "name one of the files in it"));
+    }
+    Ok((file, data))
 }
 
 /// A file that reports how far it has been read.

@@ -147,6 +147,31 @@ impl Slabs for Elements<'_> {
     }
 }
 
+/// Every `step`-th of the elements, from element `first` on: one of several lists whose elements
+/// take turns. Rows of the elements are rows of every list.
+pub(super) struct OneOf<'a> {
+    elements: Elements<'a>,
+    step: usize,
+    first: usize,
+}
+
+impl<'a> OneOf<'a> {
+    pub(super) fn new(elements: Elements<'a>, step: usize, first: usize) -> Self {
+        Self { elements, step, first }
+    }
+}
+
+impl Slabs for OneOf<'_> {
+    fn next(&mut self) -> Result<Option<Values>, Error> {
+        let all = self.elements.next()?;
+        Ok(all.map(|values| values.every(self.step, self.first)))
+    }
+
+    fn held(&self) -> usize {
+        self.elements.held() / self.step
+    }
+}
+
 /// IEEE 754 half precision: 1 sign bit, 5 exponent bits (bias 15), 10 fraction bits.
 fn half(bits: u16) -> f32 {
     let sign = if bits >> 15 == 1 { -1.0 } else { 1.0 };

@@ -3,14 +3,19 @@
 //! Every format reads its header into an `Unread`: the lattice, the frame, and the values in slabs
 //! that are still to be read. What is done with the slabs is the same for all of them.
 
+mod ascii;
 mod contents;
 mod decode;
 mod nifti;
 mod nifti_affine;
+mod nifti_warnings;
 mod npy;
+mod npz;
 mod nrrd;
 mod options;
 mod values;
+mod vti;
+mod vti_data;
 
 use std::path::Path;
 
@@ -83,12 +88,18 @@ impl Frame {
 pub enum VolumeFormat {
     /// NumPy array, `.npy`.
     Npy,
+    /// NumPy archive, `.npz`.
+    Npz,
     /// NIfTI-1 or NIfTI-2 in one file, `.nii`.
     Nifti,
     /// The same, compressed, `.nii.gz`.
     NiftiGz,
+    /// NIfTI-1 or NIfTI-2 as a header `.hdr` and data `.img`, each perhaps with `.gz` behind.
+    NiftiPair,
     /// NRRD with its header attached, `.nrrd`.
     Nrrd,
+    /// VTK image data, `.vti`.
+    Vti,
 }
 
 /// The volume format that the extension of `path` names, in upper or lower case.
@@ -100,16 +111,19 @@ pub fn volume_format(path: impl AsRef<Path>) -> Result<VolumeFormat, Error> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     let formats = [
         (".npy", VolumeFormat::Npy),
+        (".npz", VolumeFormat::Npz),
         (".nii", VolumeFormat::Nifti),
         (".nii.gz", VolumeFormat::NiftiGz),
+        (".hdr", VolumeFormat::NiftiPair),
+        (".img", VolumeFormat::NiftiPair),
+        (".hdr.gz", VolumeFormat::NiftiPair),
+        (".img.gz", VolumeFormat::NiftiPair),
         (".nrrd", VolumeFormat::Nrrd),
+        (".vti", VolumeFormat::Vti),
     ];
     let known = formats.iter().find(|(extension, _)| name.ends_with(extension));
     known.map(|(_, format)| *format).ok_or_else(|| {
         let known = match name.rsplit('.').next() {
-            Some("hdr" | "img" | "gz") => {
-                "NIfTI is read from one file, .nii or .nii.gz: convert the pair to that"
-            }
             Some("nhdr") => "NRRD is read with its header attached: convert it to .nrrd",
             _ => "volumes are read from .npy, .nii, .nii.gz and .nrrd",
         };
@@ -246,9 +260,12 @@ fn open<'a>(path: &'a Path, options: &VolumeOptions<'a>) -> Result<Unread<'a>, E
     let stream = || Stream::open(path, options.progress);
     let unread = match format {
         VolumeFormat::Npy => npy::open(stream()?, options),
+        VolumeFormat::Npz => npz::open(path, options),
         VolumeFormat::Nifti => nifti::open(stream()?, options),
         VolumeFormat::NiftiGz => nifti::open_compressed(stream()?, options),
+        VolumeFormat::NiftiPair => nifti::open_pair(path, options),
         VolumeFormat::Nrrd => nrrd::open(stream()?, options),
+        VolumeFormat::Vti => vti::open(path, options),
     }?;
     match options.layer {
         Some(layer) if layer >= unread.contents.layers => Err(no_layer(path, &unread.contents)),

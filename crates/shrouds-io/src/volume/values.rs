@@ -139,6 +139,11 @@ impl Values {
         with_values!(self, v => Self::F64(v.iter().map(|v| v.as_f64() * slope + shift).collect()))
     }
 
+    /// Every `step`-th value from value `first` on.
+    pub(super) fn every(&self, step: usize, first: usize) -> Self {
+        with_values!(self, v => Self::from(v.iter().skip(first).step_by(step).copied().collect::<Vec<_>>()))
+    }
+
     /// The same values x fastest, given z fastest; `dims` are x, y, z.
     pub(super) fn with_axes_reversed(self, dims: [usize; 3]) -> Self {
         with_values!(self, v => Self::from(reverse_axes(&v, dims)))
