@@ -34,5 +34,5 @@ pub use mesh::{
 pub use stream::Progress;
 pub use volume::{
     Axes, Contents, Frame, Segment, Selected, Values, Volume, VolumeFormat, VolumeOptions,
-    read_contents, read_occupancy, read_volume, volume_format, write_npy,
+    read_contents, read_occupancy, read_volume, volume_format, write_npy, write_volume,
 };

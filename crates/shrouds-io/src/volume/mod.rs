@@ -12,10 +12,13 @@ mod nifti_warnings;
 mod npy;
 mod npz;
 mod nrrd;
+mod nrrd_space;
+mod nrrd_write;
 mod options;
 mod values;
 mod vti;
 mod vti_data;
+mod write;
 
 use std::path::Path;
 
@@ -29,6 +32,7 @@ pub use contents::{Contents, Segment};
 pub use npy::write_npy;
 pub use options::{Axes, VolumeOptions};
 pub use values::Values;
+pub use write::write_volume;
 
 /// The values of a volume file on their lattice.
 #[derive(Debug, Clone, PartialEq)]

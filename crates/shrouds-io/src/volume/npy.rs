@@ -10,6 +10,7 @@ use crate::atomic::write_atomically;
 use crate::error::Error;
 use crate::stream::Stream;
 use crate::volume::decode::{Element, Elements, Endian};
+use crate::volume::write::write_bytes;
 use crate::volume::{Axes, Contents, Frame, Unread, VolumeOptions, affine_of, diagonal, lattice};
 
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
@@ -66,15 +67,7 @@ pub fn write_npy(path: impl AsRef<Path>, volume: &Occupancy) -> Result<(), Error
         writer.write_all(&[1, 0])?;
         writer.write_all(&(header.len() as u16).to_le_bytes())?;
         writer.write_all(header.as_bytes())?;
-        let mut row = vec![0; nx];
-        for (j, k) in (0..nz).flat_map(|k| (0..ny).map(move |j| (j, k))) {
-            let words = volume.row(j, k);
-            for (i, byte) in row.iter_mut().enumerate() {
-                *byte = (words[i / 64] >> (i % 64) & 1) as u8;
-            }
-            writer.write_all(&row)?;
-        }
-        Ok(())
+        write_bytes(volume, writer)
     })
 }
 

@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use crate::common::{Folder, Nifti, bytes, cases, datatype, gzip, npy, nrrd, read_both};
 use shrouds::{Grid, Occupancy, Select};
 use shrouds_io::{
-    Axes, Error, Frame, Values, VolumeOptions, read_volume, volume_format, write_npy,
+    Axes, Error, Frame, Values, VolumeOptions, read_volume, volume_format, write_npy, write_volume,
 };
 
 const DIMS: [usize; 3] = [4, 3, 2];
@@ -78,6 +78,37 @@ fn a_written_occupancy_is_read_back() {
         let file = std::fs::read(folder.path("a.npy")).unwrap();
         assert_eq!((file.len() - nx * 6) % 64, 0, "the data is aligned as NumPy aligns it");
     }
+}
+
+#[test]
+fn a_written_volume_keeps_what_its_format_can() {
+    let folder = Folder::new();
+    let affine = [[-0.9, 0.2, 0.1, 12.0], [0.1, 1.1, -0.3, -40.0], [0.2, 0.1, 2.5, 1.0 / 3.0]];
+    let oblique = Grid::with_affine([67, 3, 2], affine).unwrap();
+    let straight = Grid::new([67, 3, 2], [0.1, 1e-9, 2e9]).unwrap();
+    let frame =
+        |name: &str, unit: &str, source| Frame { name: name.into(), unit: unit.into(), source };
+    for (grid, name, unit, again) in [
+        (&oblique, "LPS", "mm", frame("LPS", "mm", "space directions")),
+        (&oblique, "RAS", "um", frame("RAS", "um", "space directions")),
+        (&oblique, "scanner-xyz", "mm", frame("scanner-xyz", "mm", "space directions")),
+        (&oblique, "index", "unknown", frame("unnamed", "unknown", "space directions")),
+        (&oblique, "my\nworld", "a \"b\"", frame("unnamed", "unknown", "space directions")),
+        (&straight, "index", "m", frame("index", "m", "spacings")),
+        (&straight, "index", "unknown", frame("index", "unknown", "spacings")),
+    ] {
+        let volume = Occupancy::from_fn(grid.clone(), |[i, j, k]| (i * 7 + j * 5 + k * 3) % 4 == 0);
+        write_volume(folder.path("a.nrrd"), &volume, &frame(name, unit, "test")).unwrap();
+        let back = read_both(&folder.path("a.nrrd"), &VolumeOptions::default()).unwrap();
+        assert_eq!(back.frame, again, "{name}");
+        assert_eq!(back.occupancy(&Select::NonZero).unwrap(), volume);
+    }
+    let volume = Occupancy::empty(straight);
+    for name in ["a.ply", "a", "a.nhdr"] {
+        let error = write_volume(folder.path(name), &volume, &frame("index", "mm", "test"));
+        assert!(matches!(error, Err(Error::Extension { .. })));
+    }
+    assert_eq!(folder.names(), ["a.nrrd"]);
 }
 
 #[test]

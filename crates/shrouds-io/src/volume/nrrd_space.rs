@@ -1,0 +1,16 @@
+//! The names of spaces in NRRD files.
+
+/// Spaces of three dimensions: in full, in short, and as their frame is called here.
+const SPACES: [(&str, &str, &str); 6] = [
+    ("left-posterior-superior", "lps", "LPS"),
+    ("right-anterior-superior", "ras", "RAS"),
+    ("left-anterior-superior", "las", "LAS"),
+    ("scanner-xyz", "scanner-xyz", "scanner-xyz"),
+    ("3D-right-handed", "3d-right-handed", "3D-right-handed"),
+    ("3D-left-handed", "3d-left-handed", "3D-left-handed"),
+];
+
+/// The name in full of the space that a frame of this name lies in, if NRRD knows it.
+pub(super) fn full_name(frame: &str) -> Option<&'static str> {
+    SPACES.iter().find(|(_, _, name)| *name == frame).map(|(full, ..)| *full)
+}
