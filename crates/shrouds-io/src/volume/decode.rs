@@ -147,6 +147,14 @@ impl Slabs for Elements<'_> {
     }
 }
 
+/// The elements that some bytes are.
+pub(super) fn convert(bytes: &[u8], element: Element, endian: Endian) -> Values {
+    fn all<T, const SIZE: usize>(bytes: &[u8], convert: impl Fn([u8; SIZE]) -> T) -> Vec<T> {
+        bytes.as_chunks::<SIZE>().0.iter().map(|bytes| convert(*bytes)).collect()
+    }
+    with_element!(element, endian, element => all(bytes, element).into())
+}
+
 /// Every `step`-th of the elements, from element `first` on: one of several lists whose elements
 /// take turns. Rows of the elements are rows of every list.
 pub(super) struct OneOf<'a> {

@@ -15,6 +15,7 @@ mod nrrd;
 mod nrrd_space;
 mod nrrd_write;
 mod options;
+mod tiff;
 mod values;
 mod vti;
 mod vti_data;
@@ -102,11 +103,14 @@ pub enum VolumeFormat {
     NiftiPair,
     /// NRRD with its header attached, `.nrrd`.
     Nrrd,
+    /// TIFF, `.tif` or `.tiff`, or a folder of such files, one per slice.
+    Tiff,
     /// VTK image data, `.vti`.
     Vti,
 }
 
-/// The volume format that the extension of `path` names, in upper or lower case.
+/// The volume format that the extension of `path` names, in upper or lower case, or that a folder
+/// without such a name holds.
 ///
 /// # Errors
 /// [`Error::Extension`] when it names none.
@@ -123,13 +127,21 @@ pub fn volume_format(path: impl AsRef<Path>) -> Result<VolumeFormat, Error> {
         (".hdr.gz", VolumeFormat::NiftiPair),
         (".img.gz", VolumeFormat::NiftiPair),
         (".nrrd", VolumeFormat::Nrrd),
+        (".tif", VolumeFormat::Tiff),
+        (".tiff", VolumeFormat::Tiff),
         (".vti", VolumeFormat::Vti),
     ];
     let known = formats.iter().find(|(extension, _)| name.ends_with(extension));
+    if known.is_none() && tiff::holds_slices(path) {
+        return Ok(VolumeFormat::Tiff);
+    }
     known.map(|(_, format)| *format).ok_or_else(|| {
         let known = match name.rsplit('.').next() {
             Some("nhdr") => "NRRD is read with its header attached: convert it to .nrrd",
-            _ => "volumes are read from .npy, .nii, .nii.gz and .nrrd",
+            _ => {
+                "volumes are read from .nii, .nii.gz, .hdr with .img, .nrrd, .npy, .npz, .vti, .tif, and \
+                 folders of .tif files"
+            }
         };
         Error::Extension { path: path.into(), kind: "volume", known }
     })
@@ -269,6 +281,7 @@ fn open<'a>(path: &'a Path, options: &VolumeOptions<'a>) -> Result<Unread<'a>, E
         VolumeFormat::NiftiGz => nifti::open_compressed(stream()?, options),
         VolumeFormat::NiftiPair => nifti::open_pair(path, options),
         VolumeFormat::Nrrd => nrrd::open(stream()?, options),
+        VolumeFormat::Tiff => tiff::open(path, options),
         VolumeFormat::Vti => vti::open(path, options),
     }?;
     match options.layer {
