@@ -9,6 +9,7 @@ mod decode;
 mod nifti;
 mod nifti_affine;
 mod nifti_warnings;
+mod nifti_write;
 mod npy;
 mod npz;
 mod nrrd;
@@ -19,6 +20,7 @@ mod tiff;
 mod values;
 mod vti;
 mod vti_data;
+mod vti_write;
 mod write;
 
 use std::path::Path;

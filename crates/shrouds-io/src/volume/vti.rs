@@ -205,10 +205,11 @@ fn read_header(path: &Path) -> Result<Header, Error> {
         scalars: [None, None],
         appended: None,
     };
-    let (mut place, mut pieces) = (None, 0);
+    let (mut place, mut pieces, mut ended) = (None, 0, 0);
     while let Some(tag) = tags.next().map_err(failed)? {
         match (tag.name.as_str(), tag.kind) {
             ("PointData" | "CellData", Kind::End) => place = None,
+            ("Piece", Kind::End) => ended += 1,
             (_, Kind::End) => {}
             ("ImageData", _) => {
                 header.extent = numbers(path, &tag, "WholeExtent")?;
@@ -239,6 +240,9 @@ fn read_header(path: &Path) -> Result<Header, Error> {
             }
             _ => {}
         }
+    }
+    if ended < pieces || pieces == 0 {
+        return Err(Error::header(path, "the file ends before its piece does"));
     }
     if pieces == 1 {
         return Ok(header);
