@@ -228,6 +228,7 @@ pub(crate) fn volume_options<'a>(args: &VolumeArgs, progress: Progress<'a>) -> V
         spacing: args.spacing,
         layer: None,
         array: None,
+        raw: None,
         progress: Some(progress),
     }
 }

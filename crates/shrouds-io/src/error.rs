@@ -68,6 +68,14 @@ pub enum Error {
         /// What there is to choose from.
         choices: String,
     },
+    /// Nothing says how to read the file, or what is said does not fit.
+    #[error("{}: {problem}", .path.display())]
+    Layout {
+        /// The file.
+        path: PathBuf,
+        /// What is missing or does not fit, and what to do.
+        problem: String,
+    },
     /// There are fewer bytes than the header promises.
     #[error(
         "{}: expected {expected} bytes of voxel data, found {found}: the file is truncated; copy or write it again",
@@ -81,7 +89,15 @@ pub enum Error {
         /// Bytes that are there.
         found: u64,
     },
-    /// The compressed data does not unpack.
+    /// The header is sound, but not a file that it names for its data.
+    #[error("{}: its data file cannot be read: {cause}", .path.display())]
+    DataFile {
+        /// The file with the header.
+        path: PathBuf,
+        /// What is wrong with the other.
+        cause: Box<Error>,
+    },
+    /// The compressed data does not unpack, or the numbers in a text are none.
     #[error(
         "{}: the {method} data is truncated or damaged ({cause}); copy or write the file again",
         .path.display()
@@ -89,7 +105,7 @@ pub enum Error {
     Compressed {
         /// The file.
         path: PathBuf,
-        /// How it is compressed.
+        /// How it is packed: `gzip`, `zlib`, `text`.
         method: &'static str,
         /// What the decoder said.
         cause: io::Error,
@@ -154,6 +170,18 @@ impl Error {
             _ => "check that it is a readable file",
         };
         Self::Io { path: path.into(), doing: "open it", cause, advice }
+    }
+
+    /// The same about `file`, which holds the data of the header at `path`.
+    pub(crate) fn in_data_file(mut self, path: &Path, file: &Path) -> Self {
+        if let Self::Header { path, .. }
+        | Self::Unsupported { path, .. }
+        | Self::Truncated { path, .. }
+        | Self::Compressed { path, .. } = &mut self
+        {
+            *path = file.into();
+        }
+        Self::DataFile { path: path.into(), cause: Box::new(self) }
     }
 
     pub(crate) fn header(path: &Path, problem: impl Into<String>) -> Self {

@@ -22,7 +22,9 @@
 mod atomic;
 mod error;
 mod mesh;
+mod pick;
 mod stream;
+mod text;
 mod volume;
 mod xml;
 
@@ -33,6 +35,7 @@ pub use mesh::{
 };
 pub use stream::Progress;
 pub use volume::{
-    Axes, Contents, Frame, Segment, Selected, Values, Volume, VolumeFormat, VolumeOptions,
-    read_contents, read_occupancy, read_volume, volume_format, write_npy, write_volume,
+    Axes, Contents, ElementType, Frame, RawLayout, Segment, Selected, Values, Volume, VolumeFormat,
+    VolumeOptions, read_contents, read_occupancy, read_volume, volume_format, write_npy,
+    write_volume,
 };

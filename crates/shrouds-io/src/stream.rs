@@ -1,4 +1,4 @@
-//! Bytes of an input file: plain, gzip or zlib, with errors that name it and a report of the progress.
+//! Bytes of an input file: plain, packed or text, with errors that name it and a report of the progress.
 
 use std::fs::{File, Metadata};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
@@ -7,6 +7,8 @@ use std::path::Path;
 use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
 
 use crate::error::Error;
+use crate::pick::{Pick, Picked};
+use crate::text::{Decimals, Hexadecimals};
 
 /// What is called while a file is read, on the thread that reads it: bytes read so far, bytes of
 /// the file (0 if its length is not known).
@@ -23,30 +25,35 @@ const MOST_AFTER: u64 = 1 << 26;
 pub(crate) struct Stream<'a> {
     pub(crate) path: &'a Path,
     reader: Box<dyn BufRead + 'a>,
-    /// How the bytes are compressed, if they are.
+    /// How the bytes are packed, if they are.
     method: Option<&'static str>,
     remaining: Option<u64>,
     /// Bytes that the stream can still give at most, if that is known.
     most: Option<u64>,
+    /// Whether the last line that was read had an end.
+    ended: bool,
 }
 
 impl<'a> Stream<'a> {
     pub(crate) fn open(path: &'a Path, progress: Option<Progress<'a>>) -> Result<Self, Error> {
-        Self::open_for(path, path, progress)
+        Self::open_part(path, path, progress, None)
     }
 
-    /// Opens `part`, one of the files of the volume `path`: errors in what it holds name `path`.
-    pub(crate) fn open_for(
+    /// Opens `file`, which holds a part of the volume at `path`: errors name the volume. The report
+    /// of the progress counts `span`: the bytes of the parts before it, and of all.
+    pub(crate) fn open_part(
         path: &'a Path,
-        part: &Path,
+        file: &Path,
         progress: Option<Progress<'a>>,
+        span: Option<(u64, u64)>,
     ) -> Result<Self, Error> {
-        let (file, data) = open_file(part)?;
-        let reader = Counted { file, length: data.len(), read: 0, reported: 0, progress };
+        let (file, data) = open_file(file)?;
+        let (read, length) = span.unwrap_or((0, data.len()));
+        let reader = Counted { file, length, read, reported: read, progress };
         // Pipes have no length to check.
         let remaining = data.is_file().then_some(data.len());
         let reader = Box::new(BufReader::new(reader));
-        Ok(Self { path, reader, method: None, remaining, most: remaining })
+        Ok(Self { path, reader, method: None, remaining, most: remaining, ended: false })
     }
 
     /// The `length` bytes of a file from `start` on, or what there is of them.
@@ -62,19 +69,23 @@ impl<'a> Stream<'a> {
         let remaining = Some(data.len().saturating_sub(start).min(length));
         let reader = Counted { file, length: data.len(), read: start, reported: start, progress };
         let reader = Box::new(BufReader::new(reader.take(length)));
-        Ok(Self { path, reader, method: None, remaining, most: remaining })
+        Ok(Self { path, reader, method: None, remaining, most: remaining, ended: false })
     }
 
-    /// From here on the bytes go through `decode`, which makes at most `expansion` of one.
+    /// From here on the bytes go through `decode`, which makes at most `most` of them.
     pub(crate) fn through<R: Read + 'a>(
         self,
         method: &'static str,
-        expansion: u64,
+        most: Option<u64>,
         decode: impl FnOnce(Box<dyn BufRead + 'a>) -> R,
     ) -> Self {
-        let most = self.most.map(|bytes| bytes.saturating_mul(expansion));
         let reader = Box::new(BufReader::new(decode(self.reader)));
-        Self { path: self.path, reader, method: Some(method), remaining: None, most }
+        Self { reader, method: Some(method), remaining: None, most, ..self }
+    }
+
+    /// Bytes that the stream can give at most, if each becomes at most so many.
+    pub(crate) fn most_times(&self, expansion: u64) -> Option<u64> {
+        self.most.map(|bytes| bytes.saturating_mul(expansion))
     }
 
     /// From here on there are at most `length` bytes.
@@ -87,13 +98,39 @@ impl<'a> Stream<'a> {
 
     /// From here on the bytes are gzip.
     pub(crate) fn unpacked(self) -> Self {
-        self.through("gzip", EXPANSION, MultiGzDecoder::new)
+        let most = self.most_times(EXPANSION);
+        self.through("gzip", most, MultiGzDecoder::new)
     }
 
     /// From here on the bytes are zlib.
-    #[expect(dead_code, reason = "MetaImage comes next")]
     pub(crate) fn inflated(self) -> Self {
-        self.through("zlib", EXPANSION, ZlibDecoder::new)
+        let most = self.most_times(EXPANSION);
+        self.through("zlib", most, ZlibDecoder::new)
+    }
+
+    /// From here on there are decimal numbers, each of which becomes the `size` bytes that `encode`
+    /// makes of it.
+    pub(crate) fn decimals(
+        self,
+        size: usize,
+        encode: impl Fn(&str) -> Option<Vec<u8>> + 'a,
+    ) -> Self {
+        // A digit and a gap make a number at least.
+        let most = self.most.map(|bytes| bytes.div_ceil(2).saturating_mul(size as u64));
+        self.through("text", most, |reader| Decimals::new(reader, encode))
+    }
+
+    /// From here on there are pairs of hexadecimal digits, each of which becomes a byte.
+    pub(crate) fn hexadecimals(self) -> Self {
+        let most = self.most.map(|bytes| bytes / 2);
+        self.through("text", most, Hexadecimals)
+    }
+
+    /// From here on only the bytes that `pick` wants.
+    pub(crate) fn picked(self, pick: Pick) -> Self {
+        let reader = Box::new(BufReader::new(Picked::new(self.reader, pick)));
+        let [remaining, most] = [self.remaining, self.most].map(|left| left.map(|n| pick.count(n)));
+        Self { reader, remaining, most, ..self }
     }
 
     /// Bytes left in an uncompressed file, if its length is known.
@@ -138,15 +175,29 @@ impl<'a> Stream<'a> {
 
     /// The next line without its end, at most `limit` bytes of it; `None` at the end of the file.
     pub(crate) fn line(&mut self, limit: u64) -> Result<Option<String>, Error> {
+        let line = self.last_line(limit)?;
+        Ok(line.filter(|_| self.ended))
+    }
+
+    /// The same, but the last line of the file need not have an end.
+    pub(crate) fn last_line(&mut self, limit: u64) -> Result<Option<String>, Error> {
         let mut line = Vec::new();
         let read = self.reader.by_ref().take(limit).read_until(b'\n', &mut line);
         let count = read.map_err(|error| self.failed(error))?;
         self.took(count as u64);
-        if line.pop_if(|byte| *byte == b'\n').is_none() {
+        self.ended = line.pop_if(|byte| *byte == b'\n').is_some();
+        if line.is_empty() && !self.ended {
             return Ok(None);
         }
         line.pop_if(|byte| *byte == b'\r');
         Ok(Some(String::from_utf8_lossy(&line).into_owned()))
+    }
+
+    /// Skips a line of any length; whether there was one.
+    pub(crate) fn skip_line(&mut self) -> Result<bool, Error> {
+        let skipped = self.reader.skip_until(b'\n').map_err(|error| self.failed(error))?;
+        self.took(skipped as u64);
+        Ok(skipped > 0)
     }
 
     /// Skips `count` bytes, or what there is; returns how many.

@@ -14,9 +14,13 @@ pub(super) enum Endian {
     Big,
 }
 
-/// Type of a stored element.
+/// The name of [`ElementType`] among the readers.
+pub(super) use ElementType as Element;
+
+/// Type of a stored number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Element {
+#[allow(missing_docs)] // Each variant is named after its type.
+pub enum ElementType {
     Bool,
     U8,
     I8,
@@ -31,9 +35,57 @@ pub(super) enum Element {
     F64,
 }
 
-impl Element {
+impl ElementType {
+    /// All types.
+    pub const ALL: [Self; 12] = [
+        Self::Bool,
+        Self::U8,
+        Self::I8,
+        Self::U16,
+        Self::I16,
+        Self::U32,
+        Self::I32,
+        Self::U64,
+        Self::I64,
+        Self::F16,
+        Self::F32,
+        Self::F64,
+    ];
+
+    /// Its name: `bool`, `uint8` … `int64`, `float16`, `float32`, `float64`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Bool => "bool",
+            Self::U8 => "uint8",
+            Self::I8 => "int8",
+            Self::U16 => "uint16",
+            Self::I16 => "int16",
+            Self::U32 => "uint32",
+            Self::I32 => "int32",
+            Self::U64 => "uint64",
+            Self::I64 => "int64",
+            Self::F16 => "float16",
+            Self::F32 => "float32",
+            Self::F64 => "float64",
+        }
+    }
+
+    /// The type of this name, which may also be short: `u8` … `i64`, `f16`, `f32`, `f64`.
+    pub fn from_name(name: &str) -> Option<Self> {
+        let short = |long: &str| {
+            let width = long.trim_start_matches(|letter: char| letter.is_ascii_alphabetic());
+            format!("{}{width}", &long[..1])
+        };
+        let name = name.trim().to_lowercase();
+        let named = |element: &Self| {
+            let long = element.name();
+            long == name || (long != "bool" && short(long) == name)
+        };
+        Self::ALL.into_iter().find(named)
+    }
+
     /// Bytes of one element.
-    pub(super) fn size(self) -> usize {
+    pub fn size(self) -> usize {
         match self {
             Self::Bool | Self::U8 | Self::I8 => 1,
             Self::U16 | Self::I16 | Self::F16 => 2,
@@ -73,6 +125,31 @@ macro_rules! with_element {
             })*
         }
     };
+}
+
+impl Element {
+    /// The bytes, little-endian, of an element that is written as a decimal number.
+    pub(super) fn parse(self, text: &str) -> Option<Vec<u8>> {
+        macro_rules! bytes {
+            ($type:ty) => {
+                text.parse::<$type>().ok()?.to_le_bytes().into()
+            };
+        }
+        Some(match self {
+            Self::Bool => vec![u8::from(text.parse::<u8>().ok()? != 0)],
+            Self::U8 => bytes!(u8),
+            Self::I8 => bytes!(i8),
+            Self::U16 => bytes!(u16),
+            Self::I16 => bytes!(i16),
+            Self::U32 => bytes!(u32),
+            Self::I32 => bytes!(i32),
+            Self::U64 => bytes!(u64),
+            Self::I64 => bytes!(i64),
+            Self::F32 => bytes!(f32),
+            Self::F64 => bytes!(f64),
+            Self::F16 => return None,
+        })
+    }
 }
 
 /// The elements of a volume file that follow each other in one stream, and what its header says of
@@ -155,31 +232,6 @@ pub(super) fn convert(bytes: &[u8], element: Element, endian: Endian) -> Values 
     with_element!(element, endian, element => all(bytes, element).into())
 }
 
-/// Every `step`-th of the elements, from element `first` on: one of several lists whose elements
-/// take turns. Rows of the elements are rows of every list.
-pub(super) struct OneOf<'a> {
-    elements: Elements<'a>,
-    step: usize,
-    first: usize,
-}
-
-impl<'a> OneOf<'a> {
-    pub(super) fn new(elements: Elements<'a>, step: usize, first: usize) -> Self {
-        Self { elements, step, first }
-    }
-}
-
-impl Slabs for OneOf<'_> {
-    fn next(&mut self) -> Result<Option<Values>, Error> {
-        let all = self.elements.next()?;
-        Ok(all.map(|values| values.every(self.step, self.first)))
-    }
-
-    fn held(&self) -> usize {
-        self.elements.held() / self.step
-    }
-}
-
 /// IEEE 754 half precision: 1 sign bit, 5 exponent bits (bias 15), 10 fraction bits.
 fn half(bits: u16) -> f32 {
     let sign = if bits >> 15 == 1 { -1.0 } else { 1.0 };
@@ -195,6 +247,18 @@ fn half(bits: u16) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn types_have_a_long_and_a_short_name() {
+        let short = ["bool", "u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f16", "f32"];
+        for (element, short) in ElementType::ALL.into_iter().zip(short) {
+            assert_eq!(ElementType::from_name(element.name()), Some(element));
+            assert_eq!(ElementType::from_name(short), Some(element));
+        }
+        for name in ["b", "u", "uint", "u9", "", "i128"] {
+            assert_eq!(ElementType::from_name(name), None, "{name}");
+        }
+    }
 
     #[test]
     fn half_precision_follows_the_standard() {

@@ -3,9 +3,12 @@
 //! Every format reads its header into an `Unread`: the lattice, the frame, and the values in slabs
 //! that are still to be read. What is done with the slabs is the same for all of them.
 
-mod ascii;
 mod contents;
+mod data;
 mod decode;
+mod file_names;
+mod metaimage;
+mod metaimage_frame;
 mod nifti;
 mod nifti_affine;
 mod nifti_warnings;
@@ -13,9 +16,14 @@ mod nifti_write;
 mod npy;
 mod npz;
 mod nrrd;
+mod nrrd_axes;
+mod nrrd_frame;
+mod nrrd_header;
+mod nrrd_segments;
 mod nrrd_space;
 mod nrrd_write;
 mod options;
+mod raw;
 mod tiff;
 mod values;
 mod vti;
@@ -32,8 +40,10 @@ use crate::error::Error;
 use crate::stream::Stream;
 
 pub use contents::{Contents, Segment};
+pub use decode::ElementType;
 pub use npy::write_npy;
 pub use options::{Axes, VolumeOptions};
+pub use raw::RawLayout;
 pub use values::Values;
 pub use write::write_volume;
 
@@ -103,8 +113,12 @@ pub enum VolumeFormat {
     NiftiGz,
     /// NIfTI-1 or NIfTI-2 as a header `.hdr` and data `.img`, each perhaps with `.gz` behind.
     NiftiPair,
-    /// NRRD with its header attached, `.nrrd`.
+    /// NRRD, `.nrrd`, or its header alone, `.nhdr`.
     Nrrd,
+    /// MetaImage, `.mha`, or its header alone, `.mhd`.
+    MetaImage,
+    /// Voxels and nothing else, `.raw` or `.bin`.
+    Raw,
     /// TIFF, `.tif` or `.tiff`, or a folder of such files, one per slice.
     Tiff,
     /// VTK image data, `.vti`.
@@ -129,6 +143,11 @@ pub fn volume_format(path: impl AsRef<Path>) -> Result<VolumeFormat, Error> {
         (".hdr.gz", VolumeFormat::NiftiPair),
         (".img.gz", VolumeFormat::NiftiPair),
         (".nrrd", VolumeFormat::Nrrd),
+        (".nhdr", VolumeFormat::Nrrd),
+        (".mha", VolumeFormat::MetaImage),
+        (".mhd", VolumeFormat::MetaImage),
+        (".raw", VolumeFormat::Raw),
+        (".bin", VolumeFormat::Raw),
         (".tif", VolumeFormat::Tiff),
         (".tiff", VolumeFormat::Tiff),
         (".vti", VolumeFormat::Vti),
@@ -138,13 +157,8 @@ pub fn volume_format(path: impl AsRef<Path>) -> Result<VolumeFormat, Error> {
         return Ok(VolumeFormat::Tiff);
     }
     known.map(|(_, format)| *format).ok_or_else(|| {
-        let known = match name.rsplit('.').next() {
-            Some("nhdr") => "NRRD is read with its header attached: convert it to .nrrd",
-            _ => {
-                "volumes are read from .nii, .nii.gz, .hdr with .img, .nrrd, .npy, .npz, .vti, .tif, and \
-                 folders of .tif files"
-            }
-        };
+        let known = "volumes are read from .nii, .nii.gz, .hdr with .img, .nrrd, .nhdr, .mha, .mhd, .npy, \
+            .npz, .vti, .tif, .raw and folders of .tif";
         Error::Extension { path: path.into(), kind: "volume", known }
     })
 }
@@ -156,7 +170,8 @@ pub fn volume_format(path: impl AsRef<Path>) -> Result<VolumeFormat, Error> {
 /// [`Error::Content`] when it is of another kind than its extension says, [`Error::Header`],
 /// [`Error::Truncated`] and [`Error::Compressed`] when it is damaged, [`Error::Unsupported`] when it
 /// is sound but not a three-dimensional array of real numbers, [`Error::Choice`] when it holds several
-/// volumes and the options do not name one of them, [`Error::Lattice`] when its dimensions or its
+/// volumes and the options do not name one of them, [`Error::Layout`] when a raw file comes without a
+/// layout or with one that does not fit, [`Error::Lattice`] when its dimensions or its
 /// frame make no lattice.
 pub fn read_volume(path: impl AsRef<Path>, options: &VolumeOptions) -> Result<Volume, Error> {
     let path = path.as_ref();
@@ -283,6 +298,8 @@ fn open<'a>(path: &'a Path, options: &VolumeOptions<'a>) -> Result<Unread<'a>, E
         VolumeFormat::NiftiGz => nifti::open_compressed(stream()?, options),
         VolumeFormat::NiftiPair => nifti::open_pair(path, options),
         VolumeFormat::Nrrd => nrrd::open(stream()?, options),
+        VolumeFormat::MetaImage => metaimage::open(stream()?, options),
+        VolumeFormat::Raw => raw::open(stream()?, options),
         VolumeFormat::Tiff => tiff::open(path, options),
         VolumeFormat::Vti => vti::open(path, options),
     }?;
@@ -323,4 +340,16 @@ fn affine_of(columns: [[f64; 3]; 3], origin: [f64; 3]) -> [[f64; 4]; 3] {
 /// The columns of axes along those of the world.
 fn diagonal(spacing: [f64; 3]) -> [[f64; 3]; 3] {
     std::array::from_fn(|c| std::array::from_fn(|r| if r == c { spacing[c] } else { 0.0 }))
+}
+
+/// A step across the plane of two others, as long as the shorter of them: that between the slices of
+/// an image.
+fn normal_step(u: [f64; 3], v: [f64; 3]) -> [f64; 3] {
+    let length = |a: [f64; 3]| a.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let normal: [f64; 3] = std::array::from_fn(|r| {
+        let (s, t) = ((r + 1) % 3, (r + 2) % 3);
+        u[s] * v[t] - u[t] * v[s]
+    });
+    let step = length(u).min(length(v)) / length(normal);
+    normal.map(|x| x * step)
 }

@@ -64,12 +64,12 @@ pub(super) fn open_pair<'a>(
     path: &'a Path,
     options: &VolumeOptions<'a>,
 ) -> Result<Unread<'a>, Error> {
-    let mut stream = unpacked_if_gzip(Stream::open_for(path, &partner(path, "hdr"), None)?)?;
+    let mut stream = unpacked_if_gzip(Stream::open_part(path, &partner(path, "hdr"), None, None)?)?;
     let (header, used) = read_header(&mut stream)?;
     if !header.detached {
         return values(stream, used, &header, options);
     }
-    let data = Stream::open_for(path, &partner(path, "img"), options.progress)?;
+    let data = Stream::open_part(path, &partner(path, "img"), options.progress, None)?;
     values(unpacked_if_gzip(data)?, 0, &Header { first_data: 0, ..header }, options)
 }
 

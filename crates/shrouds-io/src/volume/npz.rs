@@ -95,9 +95,11 @@ impl Entry {
         let stream = Stream::open_range(path, self.start, self.length, options.progress)?;
         Ok(if self.deflated {
             let decode = move |reader| Checked { reader: DeflateDecoder::new(reader), sum, crc };
-            stream.through("zip", EXPANSION, decode)
+            let most = stream.most_times(EXPANSION);
+            stream.through("zip", most, decode)
         } else {
-            stream.through("zip", 1, move |reader: Box<dyn BufRead + 'a>| Checked {
+            let most = stream.most();
+            stream.through("zip", most, move |reader: Box<dyn BufRead + 'a>| Checked {
                 reader,
                 sum,
                 crc,

@@ -1,6 +1,7 @@
 //! How to read a volume file.
 
 use crate::stream::Progress;
+use crate::volume::RawLayout;
 
 /// Order of the axes in files that do not name them (NPY, NPZ).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -28,6 +29,9 @@ pub struct VolumeOptions<'a> {
     /// Which array of a file that holds several, by its name. Default: the only one, or the one that
     /// the format calls the main one.
     pub array: Option<&'a str>,
+    /// How a raw file is to be read; other formats say so themselves. Default: as a file of JSON of
+    /// the same name says.
+    pub raw: Option<RawLayout>,
     /// Called while the file is read, at least every few megabytes. Default: nothing.
     pub progress: Option<Progress<'a>>,
 }
@@ -39,6 +43,7 @@ impl std::fmt::Debug for VolumeOptions<'_> {
             .field("spacing", &self.spacing)
             .field("layer", &self.layer)
             .field("array", &self.array)
+            .field("raw", &self.raw)
             .field("progress", &self.progress.is_some())
             .finish()
     }

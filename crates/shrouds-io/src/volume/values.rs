@@ -139,11 +139,6 @@ impl Values {
         with_values!(self, v => Self::F64(v.iter().map(|v| v.as_f64() * slope + shift).collect()))
     }
 
-    /// Every `step`-th value from value `first` on.
-    pub(super) fn every(&self, step: usize, first: usize) -> Self {
-        with_values!(self, v => Self::from(v.iter().skip(first).step_by(step).copied().collect::<Vec<_>>()))
-    }
-
     /// `rows` rows of `length` values, from tiles that stand side by side, each with rows of `width`.
     ///
     /// # Panics

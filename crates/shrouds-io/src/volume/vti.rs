@@ -9,11 +9,11 @@ use std::path::Path;
 use std::str::FromStr;
 
 use crate::error::Error;
+use crate::pick::Pick;
 use crate::stream::{Stream, open_file};
-use crate::volume::ascii::{self, AsciiNumbers};
-use crate::volume::decode::{Element, Elements, Endian, OneOf};
-use crate::volume::vti_data::{Base64, Lengths, behind_length, in_blocks};
-use crate::volume::{Contents, Frame, Slabs, Unread, VolumeOptions, affine_of, lattice};
+use crate::volume::decode::{Element, Elements, Endian};
+use crate::volume::vti_data::{Base64, Lengths, UntilTag, behind_length, in_blocks};
+use crate::volume::{Contents, Frame, Unread, VolumeOptions, affine_of, lattice};
 use crate::xml::{Kind, Tag, Tags};
 
 /// Where the values of an array stand.
@@ -64,19 +64,25 @@ pub(super) fn open<'a>(path: &'a Path, options: &VolumeOptions<'a>) -> Result<Un
     let frame = Frame::new("unnamed", "unknown", "ImageData");
     let (grid, frame) = lattice(path, dims, affine, frame, options)?;
     let element = element(path, &array.type_name)?;
-    let count = grid.point_count().checked_mul(array.components).unwrap_or(usize::MAX);
-    let (stream, endian) = header.stream(path, array, element, count, options)?;
-    let row = dims[0].saturating_mul(array.components);
-    let elements = Elements::new(stream, element, endian, count, row);
-    let slabs: Box<dyn Slabs> = if array.components == 1 {
-        Box::new(elements)
-    } else {
-        let layer = options.layer.filter(|layer| *layer < array.components).unwrap_or(0);
-        Box::new(OneOf::new(elements, array.components, layer))
+    let (points, components) = (grid.point_count(), array.components);
+    let bytes = |count: &usize| count.checked_mul(element.size()).is_some();
+    let Some(count) = points.checked_mul(components).filter(bytes) else {
+        let problem = format!("{points} points of {components} components");
+        return Err(Error::header(path, problem));
     };
+    let (stream, endian) = header.stream(path, array, element, count, options)?;
+    // The components of a point follow each other.
+    let layer = options.layer.filter(|layer| *layer < components).unwrap_or(0);
+    let [size, layer, period] = [1, layer, components].map(|n| (n * element.size()) as u64);
+    let stream = if components == 1 {
+        stream
+    } else {
+        stream.picked(Pick { period, from: layer, to: layer + size, periods: points as u64 })
+    };
+    let slabs = Box::new(Elements::new(stream, element, endian, points, dims[0]));
     let contents = Contents {
-        layers: array.components,
-        arrays: if names.len() > 1 { names.clone() } else { Vec::new() },
+        layers: components,
+        arrays: if names.len() > 1 { names } else { Vec::new() },
         ..Contents::default()
     };
     Ok(Unread { grid, frame, contents, slabs, z_fastest: false, scaling: None })
@@ -158,15 +164,17 @@ impl Header {
         };
         let stream = match (array.source.ok_or_else(missing)?, self.appended) {
             (Source::Ascii(start), _) => {
-                let decode = |reader| AsciiNumbers::new(reader, element);
-                let stream = from(start)?.through("text", ascii::EXPANSION, decode);
-                return Ok((stream, Endian::Little));
+                let stream = from(start)?;
+                let most = stream.most();
+                let text = stream.through("text", most, UntilTag::new);
+                let parse = move |number: &str| element.parse(number);
+                return Ok((text.decimals(element.size(), parse), Endian::Little));
             }
-            (Source::Inline(start), _) => from(start)?.through("base64", 1, Base64::new),
+            (Source::Inline(start), _) => decoded(from(start)?),
             (Source::Appended(_), None) => return Err(missing()),
             (Source::Appended(offset), Some((start, encoded))) => {
                 let stream = from(start.saturating_add(offset))?;
-                if encoded { stream.through("base64", 1, Base64::new) } else { stream }
+                if encoded { decoded(stream) } else { stream }
             }
         };
         let expected = (count as u64).saturating_mul(element.size() as u64);
@@ -180,6 +188,12 @@ impl Header {
         }?;
         Ok((stream, self.lengths.endian))
     }
+}
+
+/// From here on the bytes are base64.
+fn decoded(stream: Stream) -> Stream {
+    let most = stream.most();
+    stream.through("base64", most, Base64::new)
 }
 
 fn read_header(path: &Path) -> Result<Header, Error> {

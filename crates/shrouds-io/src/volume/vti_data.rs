@@ -91,8 +91,8 @@ pub(super) fn in_blocks<'a>(
         blocks.push((lengths.next(&mut stream)?, unpacked));
     }
     blocks.reverse();
-    let method = "zlib";
-    Ok(stream.through(method, EXPANSION, |reader| Blocks {
+    let most = stream.most_times(EXPANSION);
+    Ok(stream.through("zlib", most, |reader| Blocks {
         reader,
         blocks,
         packed: Vec::new(),
@@ -130,6 +130,33 @@ impl<R: Read> Read for Blocks<R> {
         let count = buffer.len().min(self.bytes.len() - self.used);
         buffer[..count].copy_from_slice(&self.bytes[self.used..self.used + count]);
         self.used += count;
+        Ok(count)
+    }
+}
+
+/// The bytes before the next `<`.
+pub(super) struct UntilTag<R> {
+    reader: R,
+    ended: bool,
+}
+
+impl<R: BufRead> UntilTag<R> {
+    pub(super) fn new(reader: R) -> Self {
+        Self { reader, ended: false }
+    }
+}
+
+impl<R: BufRead> Read for UntilTag<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if self.ended {
+            return Ok(0);
+        }
+        let text = self.reader.fill_buf()?;
+        let tag = text.iter().take(buffer.len()).position(|byte| *byte == b'<');
+        self.ended = tag.is_some();
+        let count = tag.unwrap_or(buffer.len().min(text.len()));
+        buffer[..count].copy_from_slice(&text[..count]);
+        self.reader.consume(count);
         Ok(count)
     }
 }

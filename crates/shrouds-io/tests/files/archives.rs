@@ -84,18 +84,33 @@ fn nifti_headers_that_contradict_themselves_are_said() {
         folder.volume("a.nii", &file.with(&[1; 24])).unwrap().contents.warnings
     };
     assert_eq!(warnings(&|_| {}), [""; 0]);
-    let moved = warnings(&|file| drop(file.put(268, 5.6f32)));
+    let moved = warnings(&|file| {
+        file.put(268, 5.6f32);
+    });
     assert!(moved.len() == 1 && moved[0].contains("a corner 0.6000 mm apart: the sform was used"));
-    assert_eq!(warnings(&|file| drop(file.put(268, 5.4f32))), [""; 0]);
+    assert_eq!(
+        warnings(&|file| {
+            file.put(268, 5.4f32);
+        }),
+        [""; 0]
+    );
     // The far corner alone: a quarter turn about z at the first voxel, with the same offset.
-    let turned = warnings(&|file| drop(file.put(264, 0.5f32.sqrt())));
+    let turned = warnings(&|file| {
+        file.put(264, 0.5f32.sqrt());
+    });
     assert!(turned[0].contains("apart"), "{turned:?}");
-    let sheared = warnings(&|file| drop(file.put(284, 0.25f32).put(252, 0i16)));
+    let sheared = warnings(&|file| {
+        file.put(284, 0.25f32).put(252, 0i16);
+    });
     assert!(sheared[0].contains("not at right angles (cosine 0.2425)"), "{sheared:?}");
     assert!(sheared[1].contains("pixdim gives the spacing [1.0, 1.0, 1.0], the sform 1 x 1.03"));
-    let unset = warnings(&|file| drop(file.put_all(252, &[0i16, 0])));
+    let unset = warnings(&|file| {
+        file.put_all(252, &[0i16, 0]);
+    });
     assert!(unset[0].contains("Neither sform nor qform"), "{unset:?}");
-    let long = warnings(&|file| drop(file.put(254, 0i16).put(260, 1.5f32)));
+    let long = warnings(&|file| {
+        file.put(254, 0i16).put(260, 1.5f32);
+    });
     assert!(long[0].contains("length 1.5000"), "{long:?}");
     assert!(warnings(&|file| file.header[123] = 0)[0].contains("no unit"));
     let mut flat = Nifti::new(&[4, 3, 1], 2, false);
@@ -133,6 +148,20 @@ fn an_archive_gives_the_array_that_is_named_or_the_only_volume() {
     assert!(folder.refusal("a.npz", &npz(&[], false)).contains("without any array"));
     assert!(folder.refusal("a.npz", &npz(&[("flat", flat)], false)).contains("three dimensions"));
     assert!(folder.refusal("a.npz", &a).contains("zip archive"));
+}
+
+#[test]
+fn a_changed_byte_in_an_archive_is_an_error() {
+    let folder = Folder::new();
+    for deflate in [false, true] {
+        let array = npy("'|u1'", false, "(1, 2, 3)", &[1, 2, 3, 4, 5, 6]);
+        let mut file = npz(&[("a", array)], deflate);
+        // The last byte of the array stands before the central directory.
+        let end = file.windows(4).position(|w| w == b"PK\x01\x02").unwrap();
+        file[end - 1] ^= 1;
+        let refused = folder.refusal("a.npz", &file);
+        assert!(refused.contains("zip data is truncated or damaged"), "{refused}");
+    }
 }
 
 #[test]

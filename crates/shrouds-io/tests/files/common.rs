@@ -3,7 +3,8 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use flate2::{Compression, write::GzEncoder};
+use flate2::Compression;
+use flate2::write::{GzEncoder, ZlibEncoder};
 use shrouds::Select;
 use shrouds_io::{Error, Selected, Values, Volume, VolumeOptions, read_occupancy, read_volume};
 use tempfile::TempDir;
@@ -136,12 +137,31 @@ pub(crate) fn gzip(bytes: &[u8]) -> Vec<u8> {
     encoder.finish().unwrap()
 }
 
-/// The volume of a file; reading it straight into bits must come to the same.
+pub(crate) fn zlib(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
+    encoder.write_all(bytes).unwrap();
+    encoder.finish().unwrap()
+}
+
+/// An `.mha` file; or an `.mhd` file, where `fields` end with the name of the data.
+pub(crate) fn metaimage(fields: &str, data: &[u8]) -> Vec<u8> {
+    let named = fields.contains("ElementDataFile");
+    let end = if named { "" } else { "ElementDataFile = LOCAL\n" };
+    [b"ObjectType = Image\n", fields.as_bytes(), end.as_bytes(), data].concat()
+}
+
+/// The volume of a file; reading it straight into bits must come to the same, but for layers of
+/// segments, which only bits can unite.
 pub(crate) fn read_both(path: &Path, options: &VolumeOptions) -> Result<Volume, Error> {
     let volume = read_volume(path, options);
     for select in [Select::NonZero, Select::Above(3.5), Select::Labels(vec![1, 3, -2])] {
         let bits = read_occupancy(path, options, &select);
         match &volume {
+            Err(Error::Choice { .. }) if bits.is_ok() => {
+                let contents = bits.unwrap().contents;
+                assert!(options.layer.is_none() && contents.layers > 1);
+                assert!(!contents.segments.is_empty());
+            }
             Err(error) => assert_eq!(bits.unwrap_err().to_string(), error.to_string()),
             Ok(volume) => match volume.occupancy(&select) {
                 Ok(occupancy) => {
@@ -174,6 +194,12 @@ impl Folder {
         let path = self.path(name);
         std::fs::write(&path, bytes).unwrap();
         path
+    }
+
+    /// One of several volumes of a file, read both ways.
+    pub(crate) fn layer(&self, name: &str, layer: usize) -> Result<Volume, Error> {
+        let options = VolumeOptions { layer: Some(layer), ..VolumeOptions::default() };
+        read_both(&self.path(name), &options)
     }
 
     pub(crate) fn names(&self) -> Vec<String> {

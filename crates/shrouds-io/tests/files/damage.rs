@@ -1,19 +1,25 @@
 //! Whatever is missing from or wrong in a file: an error, no panic, no huge allocation.
 
-use std::io::Write;
 use std::path::Path;
 use std::sync::LazyLock;
 
-use flate2::{Compression, write::ZlibEncoder};
 use proptest::prelude::*;
 use shrouds_io::{Error, MeshOptions, VolumeOptions, read_mesh, write_mesh};
 
-use crate::common::{Folder, Nifti, gzip, npy, npz, nrrd, read_both, tiff, tiff_page, vti};
+use crate::common::{
+    Folder, Nifti, gzip, metaimage, npy, npz, nrrd, read_both, tiff, tiff_page, vti, zlib,
+};
 use crate::meshes::octahedron;
 
 const NRRD: &str = "type: short\ndimension: 3\nsizes: 4 3 2\nendian: big\n\
     space: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,2)\nspace origin: (1,2,3)\n";
 
+const METAIMAGE: &str = "NDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\n\
+    BinaryDataByteOrderMSB = True\nOffset = 1 2 3\nElementSpacing = 1 1 2\n\
+    TransformMatrix = 1 0 0 0 1 0 0 0 1\n";
+const SEGMENTS: &str = "type: uchar\ndimension: 4\nsizes: 1 4 3 2\nspace: RAS\n\
+    kinds: list domain domain domain\nspace directions: none (1,0,0) (0,1,0) (0,0,2)\n\
+    Segment0_Name:=a\nSegment0_LabelValue:=2\nSegment0_Layer:=0\nencoding: gzip\n";
 const VTI: &str = "WholeExtent=\"0 3 0 2 0 1\" Origin=\"0 0 0\" Spacing=\"1 1 1\"";
 
 fn vti_array(format: &str, data: &str) -> String {
@@ -31,12 +37,6 @@ fn written_vti(data: &[u8]) -> Vec<u8> {
     let lengths = [1u32, 48, 48, packed.len() as u32].map(u32::to_le_bytes).concat();
     let appended = [b"<AppendedData encoding=\"raw\">_", &lengths[..], &packed].concat();
     vti("compressor=\"vtkZLibDataCompressor\"", VTI, array, &appended)
-}
-
-fn zlib(bytes: &[u8]) -> Vec<u8> {
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
-    encoder.write_all(bytes).unwrap();
-    encoder.finish().unwrap()
 }
 
 /// A sound volume file of each kind.
@@ -65,7 +65,25 @@ fn volumes() -> Vec<(&'static str, Vec<u8>)> {
         ("tiles.tif", tiff(&[tiles], false, true)),
         ("raw.nrrd", nrrd(&format!("{NRRD}encoding: raw\n"), &data)),
         ("gzip.nrrd", nrrd(&format!("{NRRD}encoding: gzip\n"), &gzip(&data))),
+        ("hex.nrrd", nrrd(&format!("{NRRD}encoding: hex\n"), hexadecimals(&data).as_bytes())),
+        ("a.seg.nrrd", nrrd(SEGMENTS, &gzip(&data[..24]))),
+        ("a.mha", metaimage(METAIMAGE, &data)),
+        ("zlib.mha", metaimage(&format!("{METAIMAGE}CompressedData = True\n"), &zlib(&data))),
     ]
+}
+
+fn hexadecimals(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Whether the values of a file do not simply come last.
+fn is_indexed(name: &str) -> bool {
+    [".npz", ".vti", ".tif"].iter().any(|extension| name.ends_with(extension))
+}
+
+fn is_packed(name: &str) -> bool {
+    let packed = ["gzip.nrrd", "a.nii.gz", "a.seg.nrrd", "zlib.mha"];
+    packed.contains(&name) || is_indexed(name)
 }
 
 /// A sound mesh file of each kind, with the length from which on nothing of the mesh is missing.
@@ -115,7 +133,7 @@ fn every_truncation_is_an_error() {
         for length in 0..complete {
             let error = read_any(&folder.file(name, &bytes[..length]));
             let error = error.expect_err(&format!("{name} cut to {length} of {complete}"));
-            assert!(error.to_string().contains(name));
+            assert!(error.to_string().contains(name), "{error} does not name {name}");
         }
     }
 }
@@ -124,7 +142,7 @@ fn every_truncation_is_an_error() {
 fn truncated_data_is_counted() {
     let folder = Folder::new();
     for (name, bytes) in volumes() {
-        if !["a.npy", "a.nii", "raw.nrrd"].contains(&name) {
+        if is_packed(name) || name == "hex.nrrd" {
             continue;
         }
         let refusal = folder.refusal(name, &bytes[..bytes.len() - 5]);
@@ -138,10 +156,89 @@ fn truncated_data_is_counted() {
 fn a_wrong_checksum_is_an_error() {
     let folder = Folder::new();
     for (name, mut bytes) in volumes() {
-        if name == "gzip.nrrd" || name == "a.nii.gz" {
-            let place = bytes.len() - 8;
+        if is_packed(name) && !is_indexed(name) {
+            let (place, method) = match name {
+                "zlib.mha" => (bytes.len() - 4, "zlib"),
+                _ => (bytes.len() - 8, "gzip"),
+            };
             bytes[place] ^= 1;
-            assert!(folder.refusal(name, &bytes).contains("gzip"), "{name}");
+            assert!(folder.refusal(name, &bytes).contains(method), "{name}");
+        }
+    }
+}
+
+#[test]
+fn a_bomb_of_zeros_takes_no_more_memory_than_it_unpacks_to() {
+    let folder = Folder::new();
+    let zeros = vec![0; 1 << 20];
+    // A thousandfold at most: what is promised beyond that is refused before it is unpacked.
+    let sizes = "type: uint8\ndimension: 4\nendian: big\nencoding: gzip\n";
+    let list = format!("{sizes}sizes: 1048576 2048 1024 1024\nkinds: list domain domain domain\n");
+    let file = nrrd(&list, &gzip(&zeros));
+    assert!(folder.refusal("a.nrrd", &file).contains("frames 0 to 1048575"));
+    assert!(folder.layer("a.nrrd", 9).unwrap_err().to_string().contains("it promises"));
+    let beyond =
+        format!("{sizes}sizes: 9 1048574 1048574 1048574\nkinds: list domain domain domain\n");
+    assert!(folder.refusal("a.nrrd", &nrrd(&beyond, &gzip(&zeros))).contains("more than a file"));
+    // Seventy megabytes of zeros after the last voxel.
+    let few = format!("{sizes}sizes: 1 4 3 2\n");
+    let file = nrrd(&few, &gzip(&vec![0; 70 << 20]));
+    assert!(folder.refusal("a.nrrd", &file).contains("follow the last voxel"));
+}
+
+/// A header with its data in other files, and these.
+fn detached() -> Vec<(&'static str, Vec<u8>, Vec<(&'static str, Vec<u8>)>)> {
+    let data: Vec<u8> = (0..48).map(|n| n * 5).collect();
+    let (low, high) = data.split_at(24);
+    let parts = |pack: fn(&[u8]) -> Vec<u8>| vec![("s0", pack(low)), ("s1", pack(high))];
+    let raw = format!("{NRRD}encoding: raw\n");
+    vec![
+        ("one.nhdr", nrrd(&format!("{raw}data file: s\n"), b""), vec![("s", data.clone())]),
+        ("list.nhdr", nrrd(&format!("{raw}data file: LIST\ns0\ns1\n"), b""), parts(<[u8]>::to_vec)),
+        (
+            "gzip.nhdr",
+            nrrd(&format!("{NRRD}encoding: gzip\ndata file: s%d 0 1 1 2\n"), b""),
+            parts(gzip),
+        ),
+        (
+            "zlib.mhd",
+            metaimage(
+                &format!("{METAIMAGE}CompressedData = True\nElementDataFile = LIST\ns0\ns1\n"),
+                b"",
+            ),
+            parts(zlib),
+        ),
+    ]
+}
+
+#[test]
+fn every_truncation_of_data_elsewhere_names_it() {
+    for (name, header, parts) in detached() {
+        let folder = Folder::new();
+        let write_all = || {
+            parts.iter().for_each(|(part, bytes)| {
+                folder.file(part, bytes);
+            })
+        };
+        write_all();
+        let path = folder.file(name, &header);
+        let whole = read_both(&path, &VolumeOptions::default()).unwrap();
+        for length in 0..header.len() {
+            folder.file(name, &header[..length]);
+            match read_both(&path, &VolumeOptions::default()) {
+                Err(error) => assert!(error.to_string().contains(name), "{error}"),
+                // The last line may do without its end.
+                Ok(volume) => assert_eq!(volume, whole, "{name} cut to {length}"),
+            }
+        }
+        folder.file(name, &header);
+        for (part, bytes) in &parts {
+            for length in 0..bytes.len() {
+                folder.file(part, &bytes[..length]);
+                let error = read_any(&path).expect_err(part).to_string();
+                assert!(error.contains(name) && error.contains(&format!("{part}: ")), "{error}");
+            }
+            write_all();
         }
     }
 }
@@ -151,6 +248,7 @@ fn absurd_headers_fail_before_memory_does() {
     let folder = Folder::new();
     let nifti = Nifti::new(&[30000, 30000, 30000], 64, false).with(&[0; 48]);
     let sizes = "type: double\ndimension: 3\nendian: big\nsizes: 30000 30000 30000\n";
+    let large = "NDims = 3\nDimSize = 30000 30000 30000\nElementType = MET_DOUBLE\n";
     let shape = "(30000, 30000, 30000)";
     let files = [
         ("a.npy", npy("'<f8'", false, shape, &[0; 48])),
@@ -159,11 +257,16 @@ fn absurd_headers_fail_before_memory_does() {
         ("a.nii", nifti),
         ("a.nrrd", nrrd(&format!("{sizes}encoding: raw\n"), &[0; 48])),
         ("b.nrrd", nrrd(&format!("{sizes}encoding: gzip\n"), &gzip(&[0; 48]))),
+        ("c.nrrd", nrrd(&format!("{sizes}encoding: ascii\n"), &b"1 ".repeat(24))),
+        ("a.mha", metaimage(large, &[0; 48])),
+        ("b.mha", metaimage(&format!("{large}CompressedData = True\n"), &zlib(&[0; 48]))),
     ];
     for (name, bytes) in files {
         let refusal = folder.refusal(name, &bytes);
         let expected = match name {
-            "a.nii.gz" | "b.nrrd" => "it promises 216000000000000 bytes of voxels, more than",
+            "a.nii.gz" | "b.nrrd" | "c.nrrd" | "b.mha" => {
+                "it promises 216000000000000 bytes of voxels, more than"
+            }
             _ => "expected 216000000000000 bytes of voxel data, found 48",
         };
         assert!(refusal.contains(expected), "{refusal}");
@@ -204,10 +307,10 @@ proptest! {
 
     #[test]
     fn changed_bytes_never_panic(
-        which in any::<prop::sample::Index>(),
+        which in 0..SOUND.len(),
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
     ) {
-        let (name, mut bytes) = SOUND[which.index(SOUND.len())].clone();
+        let (name, mut bytes) = SOUND[which].clone();
         for (place, value) in &changes {
             let length = bytes.len();
             bytes[place.index(length)] = *value;
@@ -235,14 +338,36 @@ proptest! {
     }
 
     #[test]
+    fn changed_bytes_of_detached_files_never_panic(
+        which in 0usize..4,
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+        at_header in any::<bool>(),
+    ) {
+        let (name, mut header, mut parts) = detached().swap_remove(which);
+        let bytes = if at_header { &mut header } else { &mut parts[0].1 };
+        for (place, value) in &changes {
+            let length = bytes.len();
+            bytes[place.index(length)] = *value;
+        }
+        let folder = Folder::new();
+        for (part, bytes) in &parts {
+            folder.file(part, bytes);
+        }
+        if let Err(error) = read_any(&folder.file(name, &header)) {
+            prop_assert!(error.to_string().contains(name));
+        }
+    }
+
+    #[test]
     fn bytes_after_a_magic_never_panic(
-        which in 0usize..6,
+        which in 0usize..7,
         tail in prop::collection::vec(any::<u8>(), 0..600),
     ) {
         let (name, magic): (&str, &[u8]) = [
             ("a.npy", &b"\x93NUMPY\x01\x00\x76\x00"[..]),
             ("a.nii", &[0x5c, 1, 0, 0]),
             ("a.nrrd", b"NRRD0005\n"),
+            ("a.mha", b"NDims = 3\nDimSize = "),
             ("a.ply", b"ply\nformat binary_little_endian 1.0\n"),
             ("a.stl", b"solid\n"),
             ("a.obj", b"v 0 0 0\nf "),

@@ -104,7 +104,7 @@ fn a_written_volume_keeps_what_its_format_can() {
         assert_eq!(back.occupancy(&Select::NonZero).unwrap(), volume);
     }
     let volume = Occupancy::empty(straight);
-    for name in ["a.ply", "a", "a.nhdr"] {
+    for name in ["a.ply", "a", "a.raw"] {
         let error = write_volume(folder.path(name), &volume, &frame("index", "mm", "test"));
         assert!(matches!(error, Err(Error::Extension { .. })));
     }
@@ -318,15 +318,11 @@ fn what_cannot_be_read_is_said_with_a_way_out() {
         ("a.npy", npy_with("'<f4'", "(2, 2)"), "three dimensions"),
         ("a.npy", npy_with("'<f4'", "(2, -2, 2)"), "shape"),
         ("a.npy", npy_with("'<f4'", "(0, 2, 2)"), "between 1 and"),
-        ("a.nrrd", nrrd_with("data file: a.raw"), "in another file"),
         ("a.nrrd", nrrd_with("encoding: bzip2"), "raw or gzip"),
-        ("a.nrrd", nrrd_with("encoding: raw\ndimension: 4"), "three dimensions"),
-        ("a.nrrd", nrrd_with("encoding: raw\nbyte skip: -1"), "without a skip"),
         ("a.nrrd", nrrd_with("encoding: raw\ntype: block"), "'block'"),
         ("a.nrrd", nrrd_with("encoding: raw\nendian: middle"), "middle"),
-        ("a.nrrd", nrrd_with("encoding: raw\nsizes: 2 2"), "three numbers"),
-        ("a.nrrd", nrrd_with("encoding: raw\nspace directions: none (1,0,0) (0,1,0)"), "vectors"),
-        ("a.nrrd", nrrd_with("encoding: raw\nspacings: 1 nan 1"), "give the spacing"),
+        ("a.nrrd", nrrd_with("encoding: raw\nsizes: 2 2"), "3 numbers"),
+        ("a.nrrd", nrrd_with("encoding: raw\nspacings: 1 0 1"), "give the spacing"),
         ("a.nrrd", nrrd_with("type short"), "no field"),
         ("a.nrrd", nrrd_with(""), "'encoding' is missing"),
     ];
@@ -339,7 +335,7 @@ fn what_cannot_be_read_is_said_with_a_way_out() {
 #[test]
 fn unknown_extensions_missing_files_and_folders_are_said() {
     let folder = Folder::new();
-    for name in ["a.jpg", "a", "", "a.nii.bz2", "a.nhdr"] {
+    for name in ["a.jpg", "a", "", "a.nii.bz2"] {
         assert!(matches!(volume_format(name), Err(Error::Extension { .. })), "{name}");
     }
     std::fs::create_dir(folder.path("b.nii")).unwrap();

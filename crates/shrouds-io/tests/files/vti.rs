@@ -1,12 +1,10 @@
 //! VTK image data in all its encodings.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 
-use flate2::{Compression, write::ZlibEncoder};
 use shrouds_io::{Error, Frame, Values, VolumeOptions, read_contents};
 
-use crate::common::{Case, Folder, cases, read_both, vti};
+use crate::common::{Case, Folder, cases, read_both, vti, zlib};
 
 const IMAGE: &str = "WholeExtent=\"0 3 0 2 0 1\" Origin=\"1 2 3\" Spacing=\"0.5 1 2\"";
 
@@ -41,12 +39,6 @@ fn lengths(numbers: &[u64], big: bool, wide: bool) -> Vec<u8> {
         (false, false) => (*n as u32).to_le_bytes().to_vec(),
     };
     numbers.iter().flat_map(number).collect()
-}
-
-fn zlib(bytes: &[u8]) -> Vec<u8> {
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
-    encoder.write_all(bytes).unwrap();
-    encoder.finish().unwrap()
 }
 
 /// The lengths before the data, and the data: as it is, or in blocks of 20 bytes.

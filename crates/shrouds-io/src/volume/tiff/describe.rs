@@ -75,18 +75,18 @@ pub(super) fn image_j(
     // Plain stacks say `slices` only.
     let slices = count("slices").unwrap_or_else(|| (images / each).max(1));
     let strides = [channels, 1, channels.saturating_mul(slices)];
-    let unit = match (fields.get("unit"), resolution_unit) {
-        (Some(unit), _) => unit_name(unit),
-        (None, 2) => "inch".into(),
-        (None, 3) => "cm".into(),
-        _ => "unknown".into(),
-    };
     let depth = number("spacing").map(f64::abs);
     // Programs that know nothing of the size of pixels write dots per inch.
     let told = fields.contains_key("unit") || depth.is_some();
     let pixel = resolution.map(|per_unit| {
         per_unit.filter(|per_unit| told && *per_unit > 0.0).map(|per_unit| 1.0 / per_unit)
     });
+    let unit = match (fields.get("unit"), pixel[0].and(Some(resolution_unit))) {
+        (Some(unit), _) => unit_name(unit),
+        (None, Some(2)) => "inch".into(),
+        (None, Some(3)) => "cm".into(),
+        _ => "unknown".into(),
+    };
     let scaling = match (number("cf"), number("c0"), number("c1")) {
         (Some(0.0), Some(shift), Some(slope)) if slope != 0.0 => Some((slope, shift)),
         _ => None,
@@ -177,8 +177,8 @@ fn physical(tag: &crate::xml::Tag) -> ([Option<f64>; 3], String) {
     };
     let common = unit(first);
     let spacing = ['X', 'Y', 'Z'].map(|axis| {
-        let factor = match (metres(&unit(axis)), metres(&common)) {
-            (Some(own), Some(common)) if own != common => own / common,
+        let factor = match (exponent(&unit(axis)), exponent(&common)) {
+            (Some(own), Some(common)) => 10f64.powi(own - common),
             _ => 1.0,
         };
         size(axis).map(|size| size * factor)
@@ -186,10 +186,10 @@ fn physical(tag: &crate::xml::Tag) -> ([Option<f64>; 3], String) {
     (spacing, common)
 }
 
-/// Length of a unit in metres.
-fn metres(unit: &str) -> Option<f64> {
-    let known = [("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("um", 1e-6), ("nm", 1e-9), ("Å", 1e-10)];
-    known.iter().find(|(name, _)| *name == unit).map(|(_, metres)| *metres)
+/// The power of ten that a unit is in metres.
+fn exponent(unit: &str) -> Option<i32> {
+    let known = [("m", 0), ("cm", -2), ("mm", -3), ("um", -6), ("nm", -9), ("Å", -10)];
+    known.iter().find(|(name, _)| *name == unit).map(|(_, exponent)| *exponent)
 }
 
 /// The usual name of a unit.
@@ -226,7 +226,7 @@ mod tests {
     #[test]
     fn dots_per_inch_are_no_spacing() {
         let plan = image_j("ImageJ=1.53t\nimages=5\n", 5, [Some(72.0); 2], 2).unwrap();
-        assert_eq!((plan.slices, plan.spacing), (5, [None; 3]));
+        assert_eq!((plan.slices, plan.spacing, plan.unit.as_str()), (5, [None; 3], "unknown"));
         assert!(image_j("made by hand", 5, [None; 2], 1).is_none());
     }
 

@@ -87,8 +87,9 @@ fn gaps(names: &[String]) -> Vec<String> {
     vec![text]
 }
 
-/// By how much the one number grows in which two names differ.
+/// By how much the one number grows in which two names without extensions differ.
 fn step(a: &str, b: &str) -> Option<u64> {
+    let [a, b] = [a, b].map(|name| name.rsplit_once('.').map_or(name, |(stem, _)| stem));
     let (a, b): (Vec<_>, Vec<_>) = (parts(a).collect(), parts(b).collect());
     let mut different = a.iter().zip(&b).filter(|(a, b)| a != b);
     match (different.next()?, different.next()) {

@@ -78,8 +78,8 @@ fn file_stack(path: &Path) -> Result<Stack, Error> {
     let raw = Page::new(&mut file, &first)?.raw_start();
     let places = match raw {
         // ImageJ writes stacks of more than 4 GB with one directory.
-        Some(start) if places.len() == 1 && plan.images > 1 && plan.total() == plan.images => {
-            let bytes = image.page_bytes().saturating_mul(plan.images as u64);
+        Some(start) if places.len() == 1 && is_block(&plan, start, places[0]) => {
+            let bytes = block_bytes(&plan, image);
             let found = file.length.saturating_sub(start);
             if bytes > found {
                 return Err(Error::Truncated { path: path.into(), expected: bytes, found });
@@ -110,6 +110,16 @@ fn file_stack(path: &Path) -> Result<Stack, Error> {
     }
     warnings.append(&mut plan.warnings);
     Ok(Stack { image, places, plan, warnings })
+}
+
+fn block_bytes(plan: &Plan, image: Image) -> u64 {
+    image.page_bytes().saturating_mul(plan.images as u64)
+}
+
+/// Whether the pages can be one block from `start` on, behind the one directory.
+fn is_block(plan: &Plan, start: u64, directory: u64) -> bool {
+    let several = plan.images > 1 && plan.total() == plan.images;
+    several && plan.source == "ImageJ description" && start > directory
 }
 
 /// One file per slice.
