@@ -58,7 +58,8 @@ fn strips_of_every_compression_hold_the_same() {
     let folder = Folder::new();
     // Rows in strips of 2, the last one shorter.
     let values: Vec<u8> = (0..35).map(|n| n / 3 * 7).collect();
-    let methods: [(u64, fn(&[u8]) -> Vec<u8>); 5] =
+    type Pack = fn(&[u8]) -> Vec<u8>;
+    let methods: [(u64, Pack); 5] =
         [(1, |b| b.into()), (5, lzw), (8, zlib), (32946, zlib), (32773, pack_bits)];
     for (code, pack) in methods {
         let page = with(tiff_page(5, 7, 8, 1), &[(259, 3, vec![code]), (278, 3, vec![2])]);
