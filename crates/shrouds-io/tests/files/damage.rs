@@ -39,11 +39,10 @@ fn written_vti(data: &[u8]) -> Vec<u8> {
     vti("compressor=\"vtkZLibDataCompressor\"", VTI, array, &appended)
 }
 
-/// Files by name.
-type Files = Vec<(&'static str, Vec<u8>)>;
+type Named = (&'static str, Vec<u8>);
 
 /// A sound volume file of each kind.
-fn volumes() -> Files {
+fn volumes() -> Vec<Named> {
     let data: Vec<u8> = (0..48).map(|n| n * 5).collect();
     let nifti = Nifti::new(&[4, 3, 2], 4, false).with(&data);
     let numbers: String = (0..24).map(|n| format!("{n} ")).collect();
@@ -189,8 +188,8 @@ fn a_bomb_of_zeros_takes_no_more_memory_than_it_unpacks_to() {
     assert!(folder.refusal("a.nrrd", &file).contains("follow the last voxel"));
 }
 
-/// A header with its data in other files, and these.
-fn detached() -> Vec<(&'static str, Vec<u8>, Files)> {
+/// Headers with their data in other files, and these.
+fn detached() -> Vec<(&'static str, Vec<u8>, Vec<Named>)> {
     let data: Vec<u8> = (0..48).map(|n| n * 5).collect();
     let (low, high) = data.split_at(24);
     let parts = |pack: fn(&[u8]) -> Vec<u8>| vec![("s0", pack(low)), ("s1", pack(high))];
