@@ -150,6 +150,14 @@ pub enum Error {
         /// What stands in the way, and what to do.
         problem: String,
     },
+    /// The volume cannot be written in this format.
+    #[error("{}: the volume cannot be written: {problem}", .path.display())]
+    UnwritableVolume {
+        /// The file.
+        path: PathBuf,
+        /// What stands in the way, and what to do.
+        problem: String,
+    },
     /// The output path cannot become a file.
     #[error("{}: cannot be written: {problem}; {advice}", .path.display())]
     Target {

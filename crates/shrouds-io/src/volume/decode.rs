@@ -233,6 +233,14 @@ impl Slabs for Elements<'_> {
     }
 }
 
+/// The elements that some bytes are.
+pub(super) fn convert(bytes: &[u8], element: Element, endian: Endian) -> Values {
+    fn all<T, const SIZE: usize>(bytes: &[u8], convert: impl Fn([u8; SIZE]) -> T) -> Vec<T> {
+        bytes.as_chunks::<SIZE>().0.iter().map(|bytes| convert(*bytes)).collect()
+    }
+    with_element!(element, endian, element => all(bytes, element).into())
+}
+
 /// IEEE 754 half precision: 1 sign bit, 5 exponent bits (bias 15), 10 fraction bits.
 pub(super) fn half(bits: u16) -> f32 {
     let sign = if bits >> 15 == 1 { -1.0 } else { 1.0 };
