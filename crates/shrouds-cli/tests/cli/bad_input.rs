@@ -81,7 +81,7 @@ fn more_than_three_dimensions() {
     folder.file("time.nii", &nifti(&[4, 4, 4, 5], AFFINE, &[1; 320]));
     all_refuse(&folder, "time.nii", &["time.nii", "frames 0 to 4", "--frame"]);
     folder.file("flat.npy", &npy("|u1", "(4, 4)", &[1; 16]));
-    all_refuse(&folder, "flat.npy", &["flat.npy", "(4, 4)", "three dimensions"]);
+    all_refuse(&folder, "flat.npy", &["flat.npy", "[4, 4]", "three dimensions"]);
 }
 
 #[test]
