@@ -65,10 +65,7 @@ def frames(values, affine):
 def nrrd_file(path):
     """Axes of a list (of segments that overlap) come before those of space."""
     values, header = nrrd.read(str(path))
-    spatial = np.isfinite(header["space directions"]).all(1)
-    affine = np.eye(4)
-    affine[:3, :3] = header["space directions"][spatial].T
-    affine[:3, 3] = header["space origin"]
+    affine, spatial = nrrd_affine(header)
     values = np.moveaxis(values, np.flatnonzero(~spatial), np.arange((~spatial).sum()))
     values = values.reshape(-1, *values.shape[-3:])
     segments = nrrd_segments(header, values)
@@ -76,6 +73,18 @@ def nrrd_file(path):
         return frames(np.moveaxis(values, 0, 3), affine)
     all_layers = values[0] if len(values) == 1 else values.any(0)
     return [Layer(all_layers, affine, segments=segments)]
+
+
+def nrrd_affine(header):
+    """The affine, and which axes are those of space."""
+    affine = np.eye(4)
+    if "space directions" not in header:
+        affine[range(3), range(3)] = header.get("spacings", 1)
+        return affine, np.full(3, True)
+    spatial = np.isfinite(header["space directions"]).all(1)
+    affine[:3, :3] = header["space directions"][spatial].T
+    affine[:3, 3] = header.get("space origin", 0)
+    return affine, spatial
 
 
 def nrrd_segments(header, layers):
@@ -110,16 +119,18 @@ def vti(path):
     reader.SetFileName(str(path))
     reader.Update()
     image = reader.GetOutput()
-    scalars = image.GetPointData().GetScalars()
+    scalars, dims, first = image.GetPointData().GetScalars(), image.GetDimensions(), 0
+    if scalars is None:  # a cell is a voxel, and its centre the lattice point
+        scalars, first = image.GetCellData().GetScalars(), 0.5
+        dims = [max(n - 1, 1) for n in dims]
     if scalars is None or scalars.GetNumberOfComponents() != 1:
-        raise NoVolume("no scalars at the points")
-    extent = image.GetExtent()
+        raise NoVolume("no array of scalars")
     directions = image.GetDirectionMatrix()
     turn = [[directions.GetElement(r, c) for c in range(3)] for r in range(3)]
     affine = np.eye(4)
     affine[:3, :3] = np.array(turn) * image.GetSpacing()
-    affine[:3, 3] = image.GetOrigin() + affine[:3, :3] @ extent[::2]
-    return [Layer(vtk_to_numpy(scalars).reshape(image.GetDimensions(), order="F"), affine)]
+    affine[:3, 3] = image.GetOrigin() + affine[:3, :3] @ np.add(image.GetExtent()[::2], first)
+    return [Layer(vtk_to_numpy(scalars).reshape(dims, order="F"), affine)]
 
 
 def tiff(path):

@@ -14,7 +14,7 @@ from pathlib import Path, PurePosixPath
 
 COMPRESSED = (".nii.gz", ".img.gz", ".hdr.gz", ".mgz", ".npz")
 VOLUMES = (".nii", ".img", ".hdr", ".nrrd", ".nhdr", ".mha", ".mhd", ".vti", ".tif", ".tiff")
-MESHES = (".ply", ".stl", ".obj", ".off", ".vtp")
+MESHES = (".ply", ".stl", ".obj", ".vtp")
 WANTED = COMPRESSED + VOLUMES + MESHES + (".npy", ".dcm", ".mgh")
 TARS = (".tar.gz", ".tgz", ".inv3")  # .inv3 are projects of InVesalius
 
