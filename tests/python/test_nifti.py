@@ -77,3 +77,12 @@ def test_one_label_of_several(mesh_of, tmp_path):
     path = tmp_path / "labels.nii.gz"
     nibabel.save(nibabel.Nifti1Image(labels, OBLIQUE), path)
     assert_separates(mesh_of(path, "--label", "7"), OBLIQUE, inside)
+
+
+@pytest.mark.parametrize("suffix", ["", ".gz"])
+def test_a_pair_of_files(mesh_of, tmp_path, suffix):
+    inside = sample_volume()
+    image = nibabel.Nifti1Pair(inside.astype(np.int16), OBLIQUE)
+    nibabel.save(image, tmp_path / f"volume.img{suffix}")
+    for name in [f"volume.hdr{suffix}", f"volume.img{suffix}"]:
+        assert_separates(mesh_of(tmp_path / name), OBLIQUE, inside)

@@ -110,6 +110,14 @@ pub enum Error {
         /// What the decoder said.
         cause: io::Error,
     },
+    /// A file with a part of the voxels does not give them.
+    #[error("{}: this chunk of voxels is damaged: {problem}; copy or write it again", .path.display())]
+    Chunk {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        problem: String,
+    },
     /// The dimensions or the frame of the file make no lattice.
     #[error("{}: {cause}", .path.display())]
     Lattice {
@@ -137,6 +145,14 @@ pub enum Error {
     /// The mesh cannot be written as asked.
     #[error("{}: the mesh cannot be written: {problem}", .path.display())]
     Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// What stands in the way, and what to do.
+        problem: String,
+    },
+    /// The volume cannot be written in this format.
+    #[error("{}: the volume cannot be written: {problem}", .path.display())]
+    UnwritableVolume {
         /// The file.
         path: PathBuf,
         /// What stands in the way, and what to do.

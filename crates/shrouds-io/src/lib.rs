@@ -27,6 +27,7 @@ mod pick;
 mod stream;
 mod text;
 mod volume;
+mod xml;
 
 pub use atomic::write_atomically;
 pub use error::Error;

@@ -1,10 +1,10 @@
 //! Bytes of an input file: plain, packed or text, with errors that name it and a report of the progress.
 
-use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read};
+use std::fs::{File, Metadata};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
-use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
+use flate2::bufread::{DeflateDecoder, MultiGzDecoder, ZlibDecoder};
 
 use crate::error::Error;
 use crate::pick::{Pick, Picked};
@@ -16,8 +16,8 @@ pub type Progress<'a> = &'a dyn Fn(u64, u64);
 
 /// Bytes between two reports of the progress.
 const REPORT_EVERY: u64 = 1 << 22;
-/// Bytes that one compressed byte can become at most: those of a block of 258 in two bits.
-const EXPANSION: u64 = 1032;
+/// Bytes that one deflated byte can become at most: those of a block of 258 in two bits.
+pub(crate) const EXPANSION: u64 = 1032;
 /// Compressed data with more bytes than these after the last element is damaged, or a trap.
 const MOST_AFTER: u64 = 1 << 26;
 
@@ -47,12 +47,7 @@ impl<'a> Stream<'a> {
         progress: Option<Progress<'a>>,
         span: Option<(u64, u64)>,
     ) -> Result<Self, Error> {
-        let name = file;
-        let file = File::open(name).map_err(|cause| Error::open(name, cause))?;
-        let data = file.metadata().map_err(|cause| Error::open(name, cause))?;
-        if data.is_dir() {
-            return Err(Error::unsupported(name, "a folder", "name one of the files in it"));
-        }
+        let (file, data) = open_file(file)?;
         let (read, length) = span.unwrap_or((0, data.len()));
         let reader = Counted { file, length, read, reported: read, progress };
         // Pipes have no length to check.
@@ -61,16 +56,56 @@ impl<'a> Stream<'a> {
         Ok(Self { path, reader, method: None, remaining, most: remaining, ended: false })
     }
 
+    /// The `length` bytes of a file from `start` on, or what there is of them.
+    pub(crate) fn open_range(
+        path: &'a Path,
+        start: u64,
+        length: u64,
+        progress: Option<Progress<'a>>,
+    ) -> Result<Self, Error> {
+        let (mut file, data) = open_file(path)?;
+        let sought = file.seek(SeekFrom::Start(start));
+        sought.map_err(|cause| Error::open(path, cause))?;
+        let remaining = Some(data.len().saturating_sub(start).min(length));
+        let reader = Counted { file, length: data.len(), read: start, reported: start, progress };
+        let reader = Box::new(BufReader::new(reader.take(length)));
+        Ok(Self { path, reader, method: None, remaining, most: remaining, ended: false })
+    }
+
+    /// From here on the bytes go through `decode`, which makes at most `most` of them.
+    pub(crate) fn through<R: Read + 'a>(
+        self,
+        method: &'static str,
+        most: Option<u64>,
+        decode: impl FnOnce(Box<dyn BufRead + 'a>) -> R,
+    ) -> Self {
+        let reader = Box::new(BufReader::new(decode(self.reader)));
+        Self { reader, method: Some(method), remaining: None, most, ..self }
+    }
+
+    /// Bytes that the stream can give at most, if each becomes at most so many.
+    pub(crate) fn most_times(&self, expansion: u64) -> Option<u64> {
+        self.most.map(|bytes| bytes.saturating_mul(expansion))
+    }
+
+    /// From here on there are at most `length` bytes.
+    pub(crate) fn limited(self, length: u64) -> Self {
+        let least = |left: Option<u64>| left.map(|left| left.min(length));
+        let (remaining, most) =
+            (least(self.remaining), Some(self.most.map_or(length, |most| most.min(length))));
+        Self { reader: Box::new(self.reader.take(length)), remaining, most, ..self }
+    }
+
     /// From here on the bytes are gzip.
     pub(crate) fn unpacked(self) -> Self {
-        let most = self.remaining.map(|bytes| bytes.saturating_mul(EXPANSION));
-        self.through("gzip", most, |reader| Box::new(BufReader::new(MultiGzDecoder::new(reader))))
+        let most = self.most_times(EXPANSION);
+        self.through("gzip", most, MultiGzDecoder::new)
     }
 
     /// From here on the bytes are zlib.
     pub(crate) fn inflated(self) -> Self {
-        let most = self.remaining.map(|bytes| bytes.saturating_mul(EXPANSION));
-        self.through("zlib", most, |reader| Box::new(BufReader::new(ZlibDecoder::new(reader))))
+        let most = self.most_times(EXPANSION);
+        self.through("zlib", most, ZlibDecoder::new)
     }
 
     /// From here on there are decimal numbers, each of which becomes the `size` bytes that `encode`
@@ -82,23 +117,13 @@ impl<'a> Stream<'a> {
     ) -> Self {
         // A digit and a gap make a number at least.
         let most = self.most.map(|bytes| bytes.div_ceil(2).saturating_mul(size as u64));
-        self.through("text", most, |reader| Box::new(BufReader::new(Decimals::new(reader, encode))))
+        self.through("text", most, |reader| Decimals::new(reader, encode))
     }
 
     /// From here on there are pairs of hexadecimal digits, each of which becomes a byte.
     pub(crate) fn hexadecimals(self) -> Self {
         let most = self.most.map(|bytes| bytes / 2);
-        self.through("text", most, |reader| Box::new(BufReader::new(Hexadecimals(reader))))
-    }
-
-    fn through(
-        self,
-        method: &'static str,
-        most: Option<u64>,
-        wrap: impl FnOnce(Box<dyn BufRead + 'a>) -> Box<dyn BufRead + 'a>,
-    ) -> Self {
-        let reader = wrap(self.reader);
-        Self { reader, method: Some(method), remaining: None, most, ..self }
+        self.through("text", most, Hexadecimals)
     }
 
     /// From here on only the bytes that `pick` wants.
@@ -106,6 +131,13 @@ impl<'a> Stream<'a> {
         let reader = Box::new(BufReader::new(Picked::new(self.reader, pick)));
         let [remaining, most] = [self.remaining, self.most].map(|left| left.map(|n| pick.count(n)));
         Self { reader, remaining, most, ..self }
+    }
+
+    /// From here on the bytes are deflated, without a header of their own.
+    pub(crate) fn deflated(self) -> Self {
+        let most = self.remaining.map(|bytes| bytes.saturating_mul(EXPANSION));
+        let reader = Box::new(BufReader::new(DeflateDecoder::new(self.reader)));
+        Self { reader, method: Some("deflate"), remaining: None, most, ..self }
     }
 
     /// Bytes left in an uncompressed file, if its length is known.
@@ -199,6 +231,16 @@ impl<'a> Stream<'a> {
         }
         Error::Io { path, doing: "read it", cause, advice: "check the disk and try again" }
     }
+}
+
+/// A file that is no folder, and what the system says of it.
+pub(crate) fn open_file(path: &Path) -> Result<(File, Metadata), Error> {
+    let file = File::open(path).map_err(|cause| Error::open(path, cause))?;
+    let data = file.metadata().map_err(|cause| Error::open(path, cause))?;
+    if data.is_dir() {
+        return Err(Error::unsupported(path, "a folder", "name one of the files in it"));
+    }
+    Ok((file, data))
 }
 
 /// A file that reports how far it has been read.

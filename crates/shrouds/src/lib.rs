@@ -32,6 +32,7 @@ pub mod network;
 pub mod energy;
 pub mod optimize;
 pub mod mesh;
+pub mod measure;
 pub mod check;
 mod pipeline;
 pub mod polygon;

@@ -26,6 +26,7 @@ const ARROWS: &[(&str, &[&str])] = &[
         ],
     ),
     ("mesh", &["grid", "surface", "network", "error", "parallel", "vector"]),
+    ("measure", &["grid", "surface", "network", "mesh", "error", "parallel", "vector"]),
     (
         "polygon",
         &[

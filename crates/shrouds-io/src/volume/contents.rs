@@ -5,6 +5,8 @@
 pub struct Contents {
     /// Volumes on the same lattice: frames of a series, channels, or layers of segments.
     pub layers: usize,
+    /// Resolutions to choose from with [`VolumeOptions::level`](crate::VolumeOptions::level).
+    pub levels: usize,
     /// The segments that the file names, in its order.
     pub segments: Vec<Segment>,
     /// Names of the arrays to choose from with [`VolumeOptions::array`](crate::VolumeOptions::array),
@@ -16,7 +18,8 @@ pub struct Contents {
 
 impl Default for Contents {
     fn default() -> Self {
-        Self { layers: 1, segments: Vec::new(), arrays: Vec::new(), warnings: Vec::new() }
+        let (segments, arrays, warnings) = (Vec::new(), Vec::new(), Vec::new());
+        Self { layers: 1, levels: 1, segments, arrays, warnings }
     }
 }
 

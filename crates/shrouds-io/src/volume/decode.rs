@@ -206,8 +206,17 @@ impl<'a> Elements<'a> {
             return Err(truncated(read + found as u64));
         }
         self.done += count;
-        Ok(self.buffer.as_chunks::<SIZE>().0.iter().map(|bytes| convert(*bytes)).collect())
+        Ok(convert_all(&self.buffer, convert))
     }
+}
+
+/// The elements that these bytes are.
+pub(super) fn decode(element: Element, endian: Endian, bytes: &[u8]) -> Values {
+    with_element!(element, endian, convert => convert_all(bytes, convert).into())
+}
+
+fn convert_all<T, const SIZE: usize>(bytes: &[u8], convert: impl Fn([u8; SIZE]) -> T) -> Vec<T> {
+    bytes.as_chunks::<SIZE>().0.iter().map(|bytes| convert(*bytes)).collect()
 }
 
 impl Slabs for Elements<'_> {
@@ -224,8 +233,16 @@ impl Slabs for Elements<'_> {
     }
 }
 
+/// The elements that some bytes are.
+pub(super) fn convert(bytes: &[u8], element: Element, endian: Endian) -> Values {
+    fn all<T, const SIZE: usize>(bytes: &[u8], convert: impl Fn([u8; SIZE]) -> T) -> Vec<T> {
+        bytes.as_chunks::<SIZE>().0.iter().map(|bytes| convert(*bytes)).collect()
+    }
+    with_element!(element, endian, element => all(bytes, element).into())
+}
+
 /// IEEE 754 half precision: 1 sign bit, 5 exponent bits (bias 15), 10 fraction bits.
-fn half(bits: u16) -> f32 {
+pub(super) fn half(bits: u16) -> f32 {
     let sign = if bits >> 15 == 1 { -1.0 } else { 1.0 };
     let (exponent, fraction) = (i32::from(bits >> 10 & 31), f32::from(bits & 1023));
     match exponent {

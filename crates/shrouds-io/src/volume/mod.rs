@@ -9,9 +9,13 @@ mod decode;
 mod file_names;
 mod metaimage;
 mod metaimage_frame;
+mod dicom;
 mod nifti;
 mod nifti_affine;
+mod nifti_warnings;
+mod nifti_write;
 mod npy;
+mod npz;
 mod nrrd;
 mod nrrd_axes;
 mod nrrd_frame;
@@ -21,8 +25,13 @@ mod nrrd_space;
 mod nrrd_write;
 mod options;
 mod raw;
+mod tiff;
 mod values;
+mod vti;
+mod vti_data;
+mod vti_write;
 mod write;
+mod zarr;
 
 use std::path::Path;
 
@@ -98,19 +107,32 @@ impl Frame {
 pub enum VolumeFormat {
     /// NumPy array, `.npy`.
     Npy,
+    /// NumPy archive, `.npz`.
+    Npz,
     /// NIfTI-1 or NIfTI-2 in one file, `.nii`.
     Nifti,
     /// The same, compressed, `.nii.gz`.
     NiftiGz,
+    /// NIfTI-1 or NIfTI-2 as a header `.hdr` and data `.img`, each perhaps with `.gz` behind.
+    NiftiPair,
     /// NRRD, `.nrrd`, or its header alone, `.nhdr`.
     Nrrd,
     /// MetaImage, `.mha`, or its header alone, `.mhd`.
     MetaImage,
     /// Voxels and nothing else, `.raw` or `.bin`.
     Raw,
+    /// DICOM segmentation, `.dcm`.
+    Dicom,
+    /// Zarr or OME-Zarr in a folder, `.zarr` or any with its metadata in it.
+    Zarr,
+    /// TIFF, `.tif` or `.tiff`, or a folder of such files, one per slice.
+    Tiff,
+    /// VTK image data, `.vti`.
+    Vti,
 }
 
-/// The volume format that the extension of `path` names, in upper or lower case.
+/// The volume format that the extension of `path` names, in upper or lower case, or that a folder
+/// without such a name holds.
 ///
 /// # Errors
 /// [`Error::Extension`] when it names none.
@@ -119,23 +141,35 @@ pub fn volume_format(path: impl AsRef<Path>) -> Result<VolumeFormat, Error> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     let formats = [
         (".npy", VolumeFormat::Npy),
+        (".npz", VolumeFormat::Npz),
         (".nii", VolumeFormat::Nifti),
         (".nii.gz", VolumeFormat::NiftiGz),
+        (".hdr", VolumeFormat::NiftiPair),
+        (".img", VolumeFormat::NiftiPair),
+        (".hdr.gz", VolumeFormat::NiftiPair),
+        (".img.gz", VolumeFormat::NiftiPair),
         (".nrrd", VolumeFormat::Nrrd),
         (".nhdr", VolumeFormat::Nrrd),
         (".mha", VolumeFormat::MetaImage),
         (".mhd", VolumeFormat::MetaImage),
         (".raw", VolumeFormat::Raw),
         (".bin", VolumeFormat::Raw),
+        (".dcm", VolumeFormat::Dicom),
+        (".zarr", VolumeFormat::Zarr),
+        (".tif", VolumeFormat::Tiff),
+        (".tiff", VolumeFormat::Tiff),
+        (".vti", VolumeFormat::Vti),
     ];
+    if zarr::is_zarr(path) {
+        return Ok(VolumeFormat::Zarr);
+    }
     let known = formats.iter().find(|(extension, _)| name.ends_with(extension));
+    if known.is_none() && tiff::holds_slices(path) {
+        return Ok(VolumeFormat::Tiff);
+    }
     known.map(|(_, format)| *format).ok_or_else(|| {
-        let known = match name.rsplit('.').next() {
-            Some("hdr" | "img" | "gz") => {
-                "NIfTI is read from one file, .nii or .nii.gz: convert the pair to that"
-            }
-            _ => "volumes are read from .npy, .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd and .raw",
-        };
+        let known = "volumes are read from .nii, .nii.gz, .hdr with .img, .nrrd, .nhdr, .mha, .mhd, .dcm, \
+            .npy, .npz, .vti, .tif, .raw, and folders of .tif or of Zarr";
         Error::Extension { path: path.into(), kind: "volume", known }
     })
 }
@@ -199,7 +233,8 @@ pub fn read_occupancy(
     if layers == 1 || options.layer.is_some() {
         return fill(path, first, select);
     }
-    if first.contents.segments.is_empty() {
+    // Segments of a series lie in its first layer, or in none.
+    if first.contents.segments.iter().all(|segment| segment.layer == 0) {
         return Err(no_layer(path, &first.contents));
     }
     let mut all = fill(path, first, select)?;
@@ -270,23 +305,35 @@ fn open<'a>(path: &'a Path, options: &VolumeOptions<'a>) -> Result<Unread<'a>, E
     let stream = || Stream::open(path, options.progress);
     let unread = match format {
         VolumeFormat::Npy => npy::open(stream()?, options),
+        VolumeFormat::Npz => npz::open(path, options),
         VolumeFormat::Nifti => nifti::open(stream()?, options),
         VolumeFormat::NiftiGz => nifti::open_compressed(stream()?, options),
+        VolumeFormat::NiftiPair => nifti::open_pair(path, options),
         VolumeFormat::Nrrd => nrrd::open(stream()?, options),
         VolumeFormat::MetaImage => metaimage::open(stream()?, options),
         VolumeFormat::Raw => raw::open(stream()?, options),
+        VolumeFormat::Dicom => dicom::open(stream()?, options),
+        VolumeFormat::Zarr => zarr::open(path, options),
+        VolumeFormat::Tiff => tiff::open(path, options),
+        VolumeFormat::Vti => vti::open(path, options),
     }?;
+    let Contents { layers, levels, .. } = unread.contents;
+    if options.level >= levels {
+        return Err(Error::Choice { path: path.into(), choices: numbered("level", levels) });
+    }
     match options.layer {
-        Some(layer) if layer >= unread.contents.layers => Err(no_layer(path, &unread.contents)),
+        Some(layer) if layer >= layers => Err(no_layer(path, &unread.contents)),
         _ => Ok(unread),
     }
 }
 
 /// That the options name no layer of the file.
 fn no_layer(path: &Path, contents: &Contents) -> Error {
-    let last = contents.layers - 1;
-    let choices = if last == 0 { "frame 0 only".into() } else { format!("frames 0 to {last}") };
-    Error::Choice { path: path.into(), choices }
+    Error::Choice { path: path.into(), choices: numbered("frame", contents.layers) }
+}
+
+fn numbered(what: &str, count: usize) -> String {
+    if count == 1 { format!("{what} 0 only") } else { format!("{what}s 0 to {}", count - 1) }
 }
 
 /// The lattice with the affine of the file, or with the spacing that the caller gave instead.

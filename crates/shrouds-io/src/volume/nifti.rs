@@ -1,9 +1,9 @@
-//! NIfTI-1 and NIfTI-2 in one file, plain or gzip.
+//! NIfTI-1 and NIfTI-2 in one file or in a pair of header and data, plain or gzip.
 //!
 //! Formats: the headers `nifti1.h` and `nifti2.h` of the NIfTI Data Format Working Group. The two
 //! versions differ in the place and the width of the same fields.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::error::Error;
 use crate::stream::Stream;
@@ -22,7 +22,10 @@ struct Header {
     /// Number of dimensions, then their lengths.
     dim: [i64; 8],
     datatype: i16,
+    /// The data is in another file.
+    detached: bool,
     data_offset: f64,
+    /// First byte after the header, where data can start.
     first_data: u64,
     slope: f64,
     intercept: f64,
@@ -30,24 +33,77 @@ struct Header {
     placement: Placement,
 }
 
+/// A single file that must be compressed.
 pub(super) fn open_compressed<'a>(
     mut stream: Stream<'a>,
     options: &VolumeOptions,
 ) -> Result<Unread<'a>, Error> {
-    if !stream.peek()?.starts_with(&[0x1f, 0x8b]) {
+    if !is_gzip(&mut stream)? {
         let advice = "if it is not compressed, call it .nii";
         return Err(Error::Content { path: stream.path.into(), expected: "gzip data", advice });
     }
     open(stream.unpacked(), options)
 }
 
+/// A single file that is not compressed, or has been unpacked.
 pub(super) fn open<'a>(
     mut stream: Stream<'a>,
     options: &VolumeOptions,
 ) -> Result<Unread<'a>, Error> {
-    let path = stream.path;
     let (header, used) = read_header(&mut stream)?;
-    let dims = dimensions(path, &header.dim)?;
+    if header.detached {
+        let what = "a NIfTI header whose data is in another file";
+        let advice = "call it .hdr, beside the .img, or convert the pair to one .nii file";
+        return Err(Error::unsupported(stream.path, what, advice));
+    }
+    values(stream, used, &header, options)
+}
+
+/// A pair of header and data, `path` being either of them.
+pub(super) fn open_pair<'a>(
+    path: &'a Path,
+    options: &VolumeOptions<'a>,
+) -> Result<Unread<'a>, Error> {
+    let mut stream = unpacked_if_gzip(Stream::open_part(path, &partner(path, "hdr"), None, None)?)?;
+    let (header, used) = read_header(&mut stream)?;
+    if !header.detached {
+        return values(stream, used, &header, options);
+    }
+    let data = Stream::open_part(path, &partner(path, "img"), options.progress, None)?;
+    values(unpacked_if_gzip(data)?, 0, &Header { first_data: 0, ..header }, options)
+}
+
+/// The file of a pair that has this extension: in the case of `path`, compressed as it is, or not.
+fn partner(path: &Path, extension: &str) -> PathBuf {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let gzip = name.to_lowercase().ends_with(".gz");
+    let bare = if gzip { &name[..name.len() - 3] } else { &name[..] };
+    let stem = bare.rsplit_once('.').map_or(bare, |(stem, _)| stem);
+    let upper = bare.ends_with(|last: char| last.is_ascii_uppercase());
+    let extension = if upper { extension.to_uppercase() } else { extension.into() };
+    let plain = path.with_file_name(format!("{stem}.{extension}"));
+    let packed = path.with_file_name(format!("{stem}.{extension}.gz"));
+    let (like, other) = if gzip { (packed, plain) } else { (plain, packed) };
+    if !like.exists() && other.exists() { other } else { like }
+}
+
+fn is_gzip(stream: &mut Stream) -> Result<bool, Error> {
+    Ok(stream.peek()?.starts_with(&[0x1f, 0x8b]))
+}
+
+fn unpacked_if_gzip<'a>(mut stream: Stream<'a>) -> Result<Stream<'a>, Error> {
+    Ok(if is_gzip(&mut stream)? { stream.unpacked() } else { stream })
+}
+
+/// The values of one frame; `used` bytes of the stream, which holds the data, have been read.
+fn values<'a>(
+    mut stream: Stream<'a>,
+    used: usize,
+    header: &Header,
+    options: &VolumeOptions,
+) -> Result<Unread<'a>, Error> {
+    let path = stream.path;
+    let (dims, layers) = dimensions(path, &header.dim)?;
     let element = element(path, header.datatype)?;
     let unit = match header.unit_code & 7 {
         1 => "m",
@@ -55,16 +111,20 @@ pub(super) fn open<'a>(
         3 => "um",
         _ => "unknown",
     };
+    let mut contents = Contents { layers, ..Contents::default() };
     if options.spacing.is_none() {
-        header.placement.check(path)?;
+        header.placement.check(path, dims)?;
+        contents.warnings = header.placement.warnings(dims, unit);
     }
-    let (affine, frame) = header.placement.affine(unit);
+    let (affine, frame) = header.placement.affine(dims, unit);
     let (grid, frame) = lattice(path, dims, affine, frame, options)?;
-    stream.skip(data_offset(path, &header)? - used as u64)?;
-    let scaling = scaling(path, &header)?;
     let count = grid.point_count();
+    // The caller refuses a frame that is not there.
+    let layer = options.layer.filter(|layer| *layer < layers).unwrap_or(0);
+    let before = (count as u64).saturating_mul(layer as u64).saturating_mul(element.size() as u64);
+    stream.skip((data_offset(path, header)? - used as u64).saturating_add(before))?;
+    let scaling = scaling(path, header)?;
     let slabs = Box::new(Elements::new(stream, element, header.endian, count, dims[0]));
-    let contents = Contents::default();
     Ok(Unread { grid, frame, contents, slabs, z_fastest: false, scaling })
 }
 
@@ -96,7 +156,8 @@ fn scaling(path: &Path, header: &Header) -> Result<Option<(f64, f64)>, Error> {
     Ok(Some((slope, intercept)))
 }
 
-fn dimensions(path: &Path, dim: &[i64; 8]) -> Result<[usize; 3], Error> {
+/// Dimensions of the lattice, and how many frames there are: the product of all further ones.
+fn dimensions(path: &Path, dim: &[i64; 8]) -> Result<([usize; 3], usize), Error> {
     let count = match dim[0] {
         count @ 1..=7 => count as usize,
         count => return Err(Error::header(path, format!("it has {count} dimensions"))),
@@ -105,15 +166,10 @@ fn dimensions(path: &Path, dim: &[i64; 8]) -> Result<[usize; 3], Error> {
     if let Some(length) = lengths.iter().find(|length| **length < 1) {
         return Err(Error::header(path, format!("a dimension has length {length}")));
     }
-    let frames = lengths.iter().skip(3).fold(1i64, |frames, n| frames.saturating_mul(*n));
-    if frames > 1 {
-        let what = format!("a series of {frames} frames (dimensions {lengths:?})");
-        let advice = "extract one frame first, for example image.slicer[..., 0] in nibabel";
-        return Err(Error::unsupported(path, what, advice));
-    }
     // What no usize can hold, no grid can either: it refuses the largest one.
     let length = |axis| lengths.get(axis).map_or(1, |n| usize::try_from(*n).unwrap_or(usize::MAX));
-    Ok(std::array::from_fn(length))
+    let frames = (3..count).fold(1, |frames: usize, axis| frames.saturating_mul(length(axis)));
+    Ok((std::array::from_fn(length), frames))
 }
 
 fn element(path: &Path, datatype: i16) -> Result<Element, Error> {
@@ -167,10 +223,8 @@ fn read_header(stream: &mut Stream) -> Result<(Header, usize), Error> {
     match magic {
         b"n+1\0" if version == 0 => Ok((fields.version_1(), size)),
         b"n+2\0" if version == 1 => Ok((fields.version_2(), size)),
-        b"ni1\0" | b"ni2\0" => {
-            let what = "a NIfTI header whose data is in another file";
-            Err(Error::unsupported(path, what, "convert the pair to one .nii file"))
-        }
+        b"ni1\0" if version == 0 => Ok((Header { detached: true, ..fields.version_1() }, size)),
+        b"ni2\0" if version == 1 => Ok((Header { detached: true, ..fields.version_2() }, size)),
         _ => Err(content("it may be an Analyze 7.5 file: convert it to .nii")),
     }
 }
@@ -213,6 +267,7 @@ impl Fields<'_> {
             endian: self.endian,
             dim,
             datatype: self.i16(70),
+            detached: false,
             data_offset: f64::from(self.f32(108)),
             first_data: FIRST_DATA[0],
             slope: f64::from(self.f32(112)),
@@ -236,6 +291,7 @@ impl Fields<'_> {
             endian: self.endian,
             dim,
             datatype: self.i16(12),
+            detached: false,
             data_offset: self.i64(168) as f64,
             first_data: FIRST_DATA[1],
             slope: self.f64(176),

@@ -26,20 +26,20 @@ impl Placement {
     ///
     /// Method 1 is the standard's, for files that know no orientation; nibabel then centres the
     /// volume and mirrors x, which the standard does not ask for.
-    pub(super) fn affine(&self, unit: &str) -> ([[f64; 4]; 3], Frame) {
+    pub(super) fn affine(&self, dims: [usize; 3], unit: &str) -> ([[f64; 4]; 3], Frame) {
         if self.sform_code > 0 {
             (self.rows, Frame::new("RAS", unit, "sform"))
         } else if self.qform_code > 0 {
-            (self.qform(), Frame::new("RAS", unit, "qform"))
+            (self.qform(dims), Frame::new("RAS", unit, "qform"))
         } else {
-            let affine = affine_of(diagonal(self.spacing()), [0.0; 3]);
+            let affine = affine_of(diagonal(self.spacing(dims)), [0.0; 3]);
             (affine, Frame::new("index", unit, "pixdim"))
         }
     }
 
     /// Spacings, where they are used, must be positive: mirroring is the business of `pixdim[0]`.
-    pub(super) fn check(&self, path: &Path) -> Result<(), Error> {
-        let spacing = self.spacing();
+    pub(super) fn check(&self, path: &Path, dims: [usize; 3]) -> Result<(), Error> {
+        let spacing = self.spacing(dims);
         if self.sform_code > 0 || spacing.iter().all(|s| *s > 0.0) {
             return Ok(());
         }
@@ -47,15 +47,19 @@ impl Placement {
         Err(Error::Lattice { path: path.into(), cause })
     }
 
-    fn spacing(&self) -> [f64; 3] {
-        std::array::from_fn(|axis| {
-            if (axis as i64) < self.dimensions { self.pixdim[axis + 1] } else { 1.0 }
+    /// Spacings of the lattice: 1 along an axis that the file does not have, or of which it has one
+    /// point and no spacing.
+    fn spacing(&self, dims: [usize; 3]) -> [f64; 3] {
+        std::array::from_fn(|axis| match self.pixdim[axis + 1] {
+            _ if axis as i64 >= self.dimensions => 1.0,
+            0.0 if dims[axis] == 1 => 1.0,
+            spacing => spacing,
         })
     }
 
     /// Rotation of the unit quaternion, columns scaled by the spacing, z turned around when
     /// `pixdim[0]` is negative.
-    fn qform(&self) -> [[f64; 4]; 3] {
+    pub(super) fn qform(&self, dims: [usize; 3]) -> [[f64; 4]; 3] {
         let [b, c, d] = self.quaternion;
         // Rounding may leave a vector part a little longer than 1: then it is a half turn.
         let squares = b * b + c * c + d * d;
@@ -67,7 +71,7 @@ impl Placement {
             [2.0 * (b * c - a * d), a * a + c * c - b * b - d * d, 2.0 * (c * d + a * b)],
             [2.0 * (b * d + a * c), 2.0 * (c * d - a * b), a * a + d * d - b * b - c * c],
         ];
-        let mut scale = self.spacing();
+        let mut scale = self.spacing(dims);
         if self.pixdim[0] < 0.0 {
             scale[2] = -scale[2];
         }
@@ -79,6 +83,8 @@ impl Placement {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const DIMS: [usize; 3] = [4, 3, 2];
 
     fn placement(quaternion: [f64; 3], sign: f64) -> Placement {
         Placement {
@@ -122,24 +128,24 @@ mod tests {
             ([0.5; 3], [[0.0, 0.0, 5.0, 10.0], [2.0, 0.0, 0.0, 20.0], [0.0, 3.0, 0.0, 30.0]]),
         ];
         for (quaternion, expected) in cases {
-            assert_near(placement(quaternion, 1.0).affine("mm").0, expected);
+            assert_near(placement(quaternion, 1.0).affine(DIMS, "mm").0, expected);
             // A sign of 0 counts as 1, one of -1 turns the third column around.
-            assert_near(placement(quaternion, 0.0).affine("mm").0, expected);
+            assert_near(placement(quaternion, 0.0).affine(DIMS, "mm").0, expected);
             let mirrored = expected.map(|[x, y, z, shift]| [x, y, -z, shift]);
-            assert_near(placement(quaternion, -1.0).affine("mm").0, mirrored);
+            assert_near(placement(quaternion, -1.0).affine(DIMS, "mm").0, mirrored);
         }
     }
 
     #[test]
     fn the_sform_goes_before_the_qform_and_that_before_the_spacings() {
         let mut file = placement([0.0; 3], -1.0);
-        assert_eq!(file.affine("mm").1, Frame::new("RAS", "mm", "qform"));
+        assert_eq!(file.affine(DIMS, "mm").1, Frame::new("RAS", "mm", "qform"));
         file.sform_code = 2;
-        assert_eq!(file.affine("um"), (file.rows, Frame::new("RAS", "um", "sform")));
+        assert_eq!(file.affine(DIMS, "um"), (file.rows, Frame::new("RAS", "um", "sform")));
         (file.sform_code, file.qform_code) = (0, 0);
         let bare = [[2.0, 0.0, 0.0, 0.0], [0.0, 3.0, 0.0, 0.0], [0.0, 0.0, 5.0, 0.0]];
-        assert_eq!(file.affine("mm"), (bare, Frame::new("index", "mm", "pixdim")));
+        assert_eq!(file.affine(DIMS, "mm"), (bare, Frame::new("index", "mm", "pixdim")));
         (file.dimensions, file.pixdim[3]) = (2, 0.0);
-        assert_eq!(file.affine("mm").0[2], [0.0, 0.0, 1.0, 0.0]);
+        assert_eq!(file.affine(DIMS, "mm").0[2], [0.0, 0.0, 1.0, 0.0]);
     }
 }

@@ -17,11 +17,11 @@ const MAGIC: &[u8; 6] = b"\x93NUMPY";
 /// Longest header that is read: NumPy itself stops at 10 000 bytes.
 const MAX_HEADER: usize = 1 << 16;
 
-struct Header {
+pub(super) struct Header {
     element: Element,
     endian: Endian,
     fortran_order: bool,
-    shape: [usize; 3],
+    pub(super) shape: Vec<usize>,
 }
 
 pub(super) fn open<'a>(
@@ -32,7 +32,11 @@ pub(super) fn open<'a>(
     let header = read_header(&mut stream)?;
     // Memory order is x fastest when the last axis in a C array, or the first in a Fortran array,
     // is x; else it is z fastest.
-    let [a, b, c] = header.shape;
+    let [a, b, c] = header.shape.as_slice().try_into().map_err(|_| {
+        let what = format!("an array of shape {:?}", header.shape);
+        let advice = "give an array of three dimensions: take one channel, or use array[None] for a single slice";
+        Error::unsupported(path, what, advice)
+    })?;
     let dims = if options.axes == Axes::Zyx { [c, b, a] } else { [a, b, c] };
     let x_fastest = header.fortran_order == (options.axes == Axes::Xyz);
     let frame = Frame::new("index", "unknown", "none");
@@ -67,7 +71,7 @@ pub fn write_npy(path: impl AsRef<Path>, volume: &Occupancy) -> Result<(), Error
     })
 }
 
-fn read_header(stream: &mut Stream) -> Result<Header, Error> {
+pub(super) fn read_header(stream: &mut Stream) -> Result<Header, Error> {
     let path = stream.path;
     let damaged = |problem: &str| Error::header(path, problem);
     let mut start = [0; 8];
@@ -143,17 +147,11 @@ fn parse_type(path: &Path, value: &str) -> Result<(Element, Endian), Error> {
     Ok((element, endian))
 }
 
-fn parse_shape(path: &Path, value: &str) -> Result<[usize; 3], Error> {
+fn parse_shape(path: &Path, value: &str) -> Result<Vec<usize>, Error> {
     let damaged = || Error::header(path, "the shape is not a tuple of whole numbers");
     let inside = value.strip_prefix('(').and_then(|rest| rest.split_once(')'));
     let (inside, _) = inside.ok_or_else(damaged)?;
     let numbers = inside.split(',').map(str::trim).filter(|number| !number.is_empty());
-    let shape: Result<Vec<usize>, _> =
-        numbers.map(|number| number.trim_end_matches('L').parse()).collect();
-    let shape = shape.map_err(|_| damaged())?;
-    shape.as_slice().try_into().map_err(|_| {
-        let what = format!("an array of shape ({inside})");
-        let advice = "give an array of three dimensions: take one channel, or use array[None] for a single slice";
-        Error::unsupported(path, what, advice)
-    })
+    let shape: Result<_, _> = numbers.map(|number| number.trim_end_matches('L').parse()).collect();
+    shape.map_err(|_| damaged())
 }

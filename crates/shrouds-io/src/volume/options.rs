@@ -32,6 +32,8 @@ pub struct VolumeOptions<'a> {
     /// How a raw file is to be read; other formats say so themselves. Default: as a file of JSON of
     /// the same name says.
     pub raw: Option<RawLayout>,
+    /// Which resolution of a file that holds several, from the finest, 0, on. Default 0.
+    pub level: usize,
     /// Called while the file is read, at least every few megabytes. Default: nothing.
     pub progress: Option<Progress<'a>>,
 }
@@ -44,6 +46,7 @@ impl std::fmt::Debug for VolumeOptions<'_> {
             .field("layer", &self.layer)
             .field("array", &self.array)
             .field("raw", &self.raw)
+            .field("level", &self.level)
             .field("progress", &self.progress.is_some())
             .finish()
     }

@@ -6,7 +6,7 @@ use std::path::Path;
 use shrouds::Occupancy;
 
 use crate::error::Error;
-use crate::volume::{Frame, VolumeFormat, npy, nrrd_write, volume_format};
+use crate::volume::{Frame, VolumeFormat, nifti_write, npy, nrrd_write, volume_format, vti_write};
 
 /// Writes a volume in the format that the extension of `path` names: `uint8`, 1 inside, 0 outside.
 ///
@@ -17,9 +17,13 @@ use crate::volume::{Frame, VolumeFormat, npy, nrrd_write, volume_format};
 /// |---|---|
 /// | `.npy` | nothing: indexed `[z, y, x]`, C order |
 /// | `.nrrd` | the affine, the unit and the names of spaces that NRRD knows (`RAS`, `LPS`, `LAS`, …) |
+/// | `.nii`, `.nii.gz` | the affine, turned to RAS if it is LPS or LAS, in single precision; the units m, mm, um (cm and nm as those); of `index` frames that begin at 0, the spacings; other names are lost |
+/// | `.vti` | the affine |
 ///
 /// # Errors
-/// [`Error::Extension`] when no volume is written in that format; those of
+/// [`Error::Extension`] when no volume is written in that format, [`Error::UnwritableVolume`] when
+/// the format cannot hold the lattice: more than 32 767 points along an axis in NIfTI-1, axes that
+/// are not at right angles in VTI; those of
 /// [`write_atomically`](crate::write_atomically).
 pub fn write_volume(
     path: impl AsRef<Path>,
@@ -29,6 +33,9 @@ pub fn write_volume(
     let path = path.as_ref();
     match written_format(path)? {
         VolumeFormat::Nrrd => nrrd_write::write(path, volume, frame),
+        VolumeFormat::Nifti => nifti_write::write(path, volume, frame, false),
+        VolumeFormat::NiftiGz => nifti_write::write(path, volume, frame, true),
+        VolumeFormat::Vti => vti_write::write(path, volume),
         _ => npy::write_npy(path, volume),
     }
 }
@@ -38,11 +45,12 @@ pub fn write_volume(
 /// # Errors
 /// [`Error::Extension`] when they are not.
 pub fn written_format(path: impl AsRef<Path>) -> Result<VolumeFormat, Error> {
+    use VolumeFormat::{Nifti, NiftiGz, Npy, Nrrd, Vti};
     let path = path.as_ref();
     match volume_format(path) {
-        Ok(format @ (VolumeFormat::Npy | VolumeFormat::Nrrd)) => Ok(format),
+        Ok(format @ (Npy | Nrrd | Nifti | NiftiGz | Vti)) => Ok(format),
         _ => {
-            let known = "volumes are written as .npy and .nrrd";
+            let known = "volumes are written as .nii, .nii.gz, .nrrd, .npy and .vti";
             Err(Error::Extension { path: path.into(), kind: "volume", known })
         }
     }

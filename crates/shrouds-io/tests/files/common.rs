@@ -181,10 +181,10 @@ pub(crate) fn read_both(path: &Path, options: &VolumeOptions) -> Result<Volume, 
 }
 
 fn has_layered_segments(path: &Path, options: &VolumeOptions) -> bool {
-    options.layer.is_none() && {
-        let (_, _, contents) = read_contents(path, options).unwrap();
-        contents.layers > 1 && !contents.segments.is_empty()
-    }
+    // Which array is meant may be open even before the contents are.
+    options.layer.is_none()
+        && read_contents(path, options)
+            .is_ok_and(|(_, _, contents)| contents.layers > 1 && !contents.segments.is_empty())
 }
 
 /// A folder that goes away, and the files in it.
@@ -227,4 +227,99 @@ impl Folder {
         assert!(error.contains(name), "the message must name the file: {error}");
         error
     }
+}
+
+/// A NumPy archive of these arrays.
+pub(crate) fn npz(arrays: &[(&str, Vec<u8>)], deflate: bool) -> Vec<u8> {
+    let mut writer = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    let method =
+        if deflate { zip::CompressionMethod::Deflated } else { zip::CompressionMethod::Stored };
+    let options = zip::write::SimpleFileOptions::default().compression_method(method);
+    for (name, bytes) in arrays {
+        writer.start_file(format!("{name}.npy"), options).unwrap();
+        writer.write_all(bytes).unwrap();
+    }
+    writer.finish().unwrap().into_inner()
+}
+
+/// VTK image data of 4 × 3 × 2 points, or so many cells, with what stands in the piece.
+pub(crate) fn vti(file: &str, image: &str, piece: &str, appended: &[u8]) -> Vec<u8> {
+    let start = format!(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" {file}>\n<ImageData {image}>\n\
+         <Piece Extent=\"0 3 0 2 0 1\">\n{piece}\n</Piece>\n</ImageData>\n"
+    );
+    let end = if appended.is_empty() { "" } else { "\n</AppendedData>\n" };
+    [start.as_bytes(), appended, end.as_bytes(), b"</VTKFile>\n"].concat()
+}
+
+/// Tags of a page of a TIFF file: number, type, values.
+pub(crate) type Tiff = Vec<(u16, u16, Vec<u64>)>;
+
+/// The tags of an uncompressed page of one strip.
+pub(crate) fn tiff_page(width: u64, height: u64, bits: u64, format: u64) -> Tiff {
+    vec![
+        (256, 3, vec![width]),
+        (257, 4, vec![height]),
+        (258, 3, vec![bits]),
+        (259, 3, vec![1]),
+        (262, 3, vec![1]),
+        (277, 3, vec![1]),
+        (278, 4, vec![height]),
+        (339, 3, vec![format]),
+    ]
+}
+
+/// The tag of a text.
+pub(crate) fn tiff_text(tag: u16, text: &str) -> (u16, u16, Vec<u64>) {
+    (tag, 2, text.bytes().chain([0]).map(u64::from).collect())
+}
+
+/// A TIFF file of pages, each with its strips or tiles, the data first.
+pub(crate) fn tiff(pages: &[(Tiff, Vec<Vec<u8>>)], big: bool, wide: bool) -> Vec<u8> {
+    let number = |value: u64, size: usize| match big {
+        true => value.to_be_bytes()[8 - size..].to_vec(),
+        false => value.to_le_bytes()[..size].to_vec(),
+    };
+    let field = if wide { 8 } else { 4 };
+    let mut file = if big { b"MM".to_vec() } else { b"II".to_vec() };
+    file.extend(number(if wide { 43 } else { 42 }, 2));
+    if wide {
+        file.extend([number(8, 2), number(0, 2)].concat());
+    }
+    let mut link = file.len();
+    file.extend(number(0, field));
+    for (tags, chunks) in pages {
+        let mut tags = tags.clone();
+        let tiles = tags.iter().any(|tag| tag.0 == 322);
+        let (mut places, mut lengths) = (Vec::new(), Vec::new());
+        for chunk in chunks {
+            places.push(file.len() as u64);
+            lengths.push(chunk.len() as u64);
+            file.extend(chunk);
+        }
+        tags.push((if tiles { 324 } else { 273 }, if wide { 16 } else { 4 }, places));
+        tags.push((if tiles { 325 } else { 279 }, 4, lengths));
+        tags.sort_by_key(|tag| tag.0);
+        let mut directory = number(tags.len() as u64, if wide { 8 } else { 2 });
+        for (tag, kind, values) in &tags {
+            let size = [0, 1, 1, 2, 4, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 8][usize::from(*kind)];
+            // A fraction is two numbers.
+            let count = values.len() as u64 / if *kind == 5 { 2 } else { 1 };
+            let mut bytes: Vec<u8> = values.iter().flat_map(|value| number(*value, size)).collect();
+            if bytes.len() > field {
+                let place = file.len() as u64;
+                file.extend(&bytes);
+                bytes = number(place, field);
+            }
+            bytes.resize(field, 0);
+            directory.extend([number(u64::from(*tag), 2), number(u64::from(*kind), 2)].concat());
+            directory.extend([number(count, field), bytes].concat());
+        }
+        let place = number(file.len() as u64, field);
+        file[link..link + field].copy_from_slice(&place);
+        file.extend(directory);
+        link = file.len();
+        file.extend(number(0, field));
+    }
+    file
 }

@@ -4,9 +4,15 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use proptest::prelude::*;
-use shrouds_io::{Error, MeshOptions, VolumeOptions, read_mesh, write_mesh};
+use shrouds::Select;
+use shrouds_io::{
+    Error, MeshOptions, VolumeOptions, read_mesh, read_occupancy, read_volume, write_mesh,
+};
 
-use crate::common::{Folder, Nifti, gzip, metaimage, npy, nrrd, read_both, zlib};
+use crate::common::{
+    Folder, Nifti, gzip, metaimage, npy, npz, nrrd, read_both, tiff, tiff_page, vti, zlib,
+};
+use crate::dicom::{label_map, overlapping};
 use crate::meshes::octahedron;
 
 const NRRD: &str = "type: short\ndimension: 3\nsizes: 4 3 2\nendian: big\n\
@@ -18,21 +24,61 @@ const METAIMAGE: &str = "NDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\n\
 const SEGMENTS: &str = "type: uchar\ndimension: 4\nsizes: 1 4 3 2\nspace: RAS\n\
     kinds: list domain domain domain\nspace directions: none (1,0,0) (0,1,0) (0,0,2)\n\
     Segment0_Name:=a\nSegment0_LabelValue:=2\nSegment0_Layer:=0\nencoding: gzip\n";
+const VTI: &str = "WholeExtent=\"0 3 0 2 0 1\" Origin=\"0 0 0\" Spacing=\"1 1 1\"";
+
+fn vti_array(format: &str, data: &str) -> String {
+    format!(
+        "<PointData Scalars=\"v\"><DataArray type=\"Int16\" Name=\"v\" format=\"{format}\">{data}\
+         </DataArray></PointData>"
+    )
+}
+
+/// Raw bytes in a compressed block.
+fn written_vti(data: &[u8]) -> Vec<u8> {
+    let array = "<PointData><DataArray type=\"Int16\" Name=\"v\" format=\"appended\" offset=\"0\"/>\
+        </PointData>";
+    let packed = zlib(data);
+    let lengths = [1u32, 48, 48, packed.len() as u32].map(u32::to_le_bytes).concat();
+    let appended = [b"<AppendedData encoding=\"raw\">_", &lengths[..], &packed].concat();
+    vti("compressor=\"vtkZLibDataCompressor\"", VTI, array, &appended)
+}
+
+type Named = (&'static str, Vec<u8>);
 
 /// A sound volume file of each kind.
-fn volumes() -> Vec<(&'static str, Vec<u8>)> {
+fn volumes() -> Vec<Named> {
     let data: Vec<u8> = (0..48).map(|n| n * 5).collect();
     let nifti = Nifti::new(&[4, 3, 2], 4, false).with(&data);
+    let numbers: String = (0..24).map(|n| format!("{n} ")).collect();
+    let strips = (tiff_page(4, 3, 16, 1), vec![data[..24].to_vec()]);
+    let packed = zlib(&[7; 256]);
+    let mut tiles = (tiff_page(20, 10, 8, 1), vec![packed.clone(), packed]);
+    tiles.0.retain(|tag| tag.0 != 259 && tag.0 != 278);
+    tiles.0.extend([(259, 3, vec![8]), (322, 3, vec![16]), (323, 3, vec![16])]);
     vec![
         ("a.npy", npy("'<i2'", false, "(2, 3, 4)", &data)),
         ("a.nii.gz", gzip(&nifti)),
         ("a.nii", nifti),
+        ("a.npz", npz(&[("a", npy("'<i2'", false, "(2, 3, 4)", &data))], true)),
+        ("stored.npz", npz(&[("a", npy("'<i2'", false, "(2, 3, 4)", &data))], false)),
+        ("text.vti", vti("", VTI, &vti_array("ascii", &numbers), &[])),
+        (
+            "base64.vti",
+            vti("", VTI, &vti_array("binary", &format!("MAAAAA=={}", "AQAB".repeat(16))), &[]),
+        ),
+        ("zlib.vti", written_vti(&data)),
+        ("a.tif", tiff(&[strips.clone(), strips], true, false)),
+        ("tiles.tif", tiff(&[tiles], false, true)),
         ("raw.nrrd", nrrd(&format!("{NRRD}encoding: raw\n"), &data)),
         ("gzip.nrrd", nrrd(&format!("{NRRD}encoding: gzip\n"), &gzip(&data))),
         ("hex.nrrd", nrrd(&format!("{NRRD}encoding: hex\n"), hexadecimals(&data).as_bytes())),
         ("a.seg.nrrd", nrrd(SEGMENTS, &gzip(&data[..24]))),
         ("a.mha", metaimage(METAIMAGE, &data)),
         ("zlib.mha", metaimage(&format!("{METAIMAGE}CompressedData = True\n"), &zlib(&data))),
+        ("a.dcm", label_map("1.2.840.10008.1.2.1").bytes()),
+        ("deflated.dcm", label_map("1.2.840.10008.1.2.1.99").bytes()),
+        ("runs.dcm", label_map("1.2.840.10008.1.2.5").bytes()),
+        ("bits.dcm", overlapping().0.bytes()),
     ]
 }
 
@@ -40,8 +86,14 @@ fn hexadecimals(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
+/// Whether the values of a file do not simply come last.
+fn is_indexed(name: &str) -> bool {
+    [".npz", ".vti", ".tif"].iter().any(|extension| name.ends_with(extension))
+}
+
 fn is_packed(name: &str) -> bool {
-    ["gzip.nrrd", "a.nii.gz", "a.seg.nrrd", "zlib.mha"].contains(&name)
+    let packed = ["gzip.nrrd", "a.nii.gz", "a.seg.nrrd", "zlib.mha", "deflated.dcm"];
+    packed.contains(&name) || is_indexed(name)
 }
 
 /// A sound mesh file of each kind, with the length from which on nothing of the mesh is missing.
@@ -66,9 +118,15 @@ fn meshes() -> Vec<(&'static str, Vec<u8>, usize)> {
 }
 
 fn read_any(path: &Path) -> Result<(), Error> {
-    match read_both(path, &VolumeOptions::default()) {
+    let options = VolumeOptions::default();
+    match read_volume(path, &options) {
         Err(Error::Extension { .. }) => read_mesh(path).map(|_| ()),
-        result => result.map(|_| ()),
+        // Of layers of segments all are selected from, but only one at a time has values.
+        Err(Error::Choice { .. }) => {
+            let _ = read_occupancy(path, &options, &Select::NonZero);
+            read_both(path, &VolumeOptions { layer: Some(0), ..options }).map(|_| ())
+        }
+        _ => read_both(path, &options).map(|_| ()),
     }
 }
 
@@ -76,7 +134,15 @@ fn read_any(path: &Path) -> Result<(), Error> {
 fn every_truncation_is_an_error() {
     let folder = Folder::new();
     let volumes = volumes().into_iter().map(|(name, bytes)| {
-        let complete = bytes.len();
+        // The last tags of XML may be missing.
+        let end_of = |tag: &[u8]| bytes.windows(tag.len()).position(|w| w == tag).unwrap();
+        let complete = match name {
+            "text.vti" | "base64.vti" => end_of(b"</Piece>") + 8,
+            "zlib.vti" => end_of(b"\n</AppendedData>"),
+            // Pixels are padded to an even length.
+            "bits.dcm" => bytes.len() - 1,
+            _ => bytes.len(),
+        };
         (name, bytes, complete)
     });
     // Text without an end of its own may be cut anywhere and still be a mesh.
@@ -94,7 +160,7 @@ fn every_truncation_is_an_error() {
 fn truncated_data_is_counted() {
     let folder = Folder::new();
     for (name, bytes) in volumes() {
-        if is_packed(name) || name == "hex.nrrd" {
+        if is_packed(name) || ["hex.nrrd", "runs.dcm", "bits.dcm"].contains(&name) {
             continue;
         }
         let refusal = folder.refusal(name, &bytes[..bytes.len() - 5]);
@@ -108,7 +174,8 @@ fn truncated_data_is_counted() {
 fn a_wrong_checksum_is_an_error() {
     let folder = Folder::new();
     for (name, mut bytes) in volumes() {
-        if is_packed(name) {
+        // Deflate alone has no checksum.
+        if is_packed(name) && !is_indexed(name) && name != "deflated.dcm" {
             let (place, method) = match name {
                 "zlib.mha" => (bytes.len() - 4, "zlib"),
                 _ => (bytes.len() - 8, "gzip"),
@@ -137,8 +204,6 @@ fn a_bomb_of_zeros_takes_no_more_memory_than_it_unpacks_to() {
     let file = nrrd(&few, &gzip(&vec![0; 70 << 20]));
     assert!(folder.refusal("a.nrrd", &file).contains("follow the last voxel"));
 }
-
-type Named = (&'static str, Vec<u8>);
 
 /// Headers with their data in other files, and these.
 fn detached() -> Vec<(&'static str, Vec<u8>, Vec<Named>)> {

@@ -3,12 +3,18 @@
 // The helpers are tests too.
 #![allow(clippy::unwrap_used)]
 
+mod archives;
 mod common;
 mod damage;
 mod decode;
+mod dicom;
 mod meshes;
 mod metaimage;
 mod nrrd;
-mod raw;
 mod parts;
+mod raw;
+mod tiff;
 mod volumes;
+mod vti;
+mod written;
+mod zarr;
