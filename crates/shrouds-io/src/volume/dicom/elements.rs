@@ -5,6 +5,7 @@
 
 use crate::error::Error;
 use crate::stream::Stream;
+use crate::volume::decode::Endian;
 
 /// Group and element number.
 pub(super) type Tag = u32;
@@ -162,16 +163,17 @@ enum End {
 
 struct Header {
     tag: Tag,
-    sequence: bool,
-    unknown: bool,
+    /// Two letters, if the file spells them out.
+    kind: [u8; 2],
     length: u32,
 }
 
-/// Elements read from a file, little endian.
+/// Elements read from a file.
 pub(super) struct Reader<'a> {
     pub(super) stream: Stream<'a>,
     /// Elements spell out their type.
     pub(super) explicit: bool,
+    pub(super) endian: Endian,
     at: u64,
     kept: usize,
 }
@@ -186,7 +188,7 @@ impl<'a> Reader<'a> {
             let path = stream.path.into();
             return Err(Error::Content { path, expected: "a DICOM file", advice });
         }
-        Ok(Self { stream, explicit: true, at: 132, kept: 0 })
+        Ok(Self { stream, explicit: true, endian: Endian::Little, at: 132, kept: 0 })
     }
 
     /// The elements that say how the others are written.
@@ -215,6 +217,11 @@ impl<'a> Reader<'a> {
         loop {
             let header = self.header()?;
             if header.tag == tag::PIXEL_DATA {
+                if self.endian == Endian::Big && header.kind == *b"OW" {
+                    let what = "big-endian DICOM pixels in words";
+                    let advice = "write it again as Explicit VR Little Endian";
+                    return Err(Error::unsupported(self.stream.path, what, advice));
+                }
                 return Ok((dataset, header.length));
             }
             self.element(header, true, 0, &mut dataset)?;
@@ -277,13 +284,12 @@ impl<'a> Reader<'a> {
         depth: usize,
         dataset: &mut Dataset,
     ) -> Result<(), Error> {
-        let Header { tag, sequence, unknown, length } = header;
-        let sequence = sequence || tag::SEQUENCES.contains(&tag);
+        let Header { tag, kind, length } = header;
         let wanted = keep && tag::SEQUENCES.contains(&tag);
         if wanted || length == UNDEFINED {
             // A sequence of unknown type is written without types.
             let explicit = self.explicit;
-            self.explicit &= !unknown;
+            self.explicit &= kind != *b"UN";
             let items = self.items(length, wanted, depth + 1)?;
             self.explicit = explicit;
             if wanted {
@@ -291,8 +297,11 @@ impl<'a> Reader<'a> {
             }
             return Ok(());
         }
-        if keep && !sequence && tag::PLAIN.contains(&tag) && length <= MAX_VALUE {
-            let bytes = self.bytes(length.into())?;
+        if keep && kind != *b"SQ" && tag::PLAIN.contains(&tag) && length <= MAX_VALUE {
+            let mut bytes = self.bytes(length.into())?;
+            if self.endian == Endian::Big && [*b"US", *b"UL"].contains(&kind) {
+                bytes.reverse();
+            }
             return self.keep(dataset, tag, Value::Bytes(bytes));
         }
         self.skip(length)
@@ -348,11 +357,10 @@ impl<'a> Reader<'a> {
 
     fn header(&mut self) -> Result<Header, Error> {
         let [a, b, c, d] = self.array()?;
-        let tag =
-            Tag::from(u16::from_le_bytes([a, b])) << 16 | Tag::from(u16::from_le_bytes([c, d]));
+        let tag = self.unsigned([a, b]) << 16 | self.unsigned([c, d]);
         if !self.explicit || tag >> 16 == 0xfffe {
-            let length = u32::from_le_bytes(self.array()?);
-            return Ok(Header { tag, sequence: false, unknown: false, length });
+            let length = self.array::<4>()?;
+            return Ok(Header { tag, kind: *b"  ", length: self.unsigned(length) });
         }
         let [a, b, c, d] = self.array()?;
         let kind = [a, b];
@@ -361,11 +369,19 @@ impl<'a> Reader<'a> {
         }
         let long = b"OB OD OF OL OV OW SQ SV UC UN UR UT UV";
         let length = if long.chunks(3).any(|known| known[..2] == kind) {
-            u32::from_le_bytes(self.array()?)
+            let length = self.array::<4>()?;
+            self.unsigned(length)
         } else {
-            u16::from_le_bytes([c, d]).into()
+            self.unsigned([c, d])
         };
-        Ok(Header { tag, sequence: kind == *b"SQ", unknown: kind == *b"UN", length })
+        Ok(Header { tag, kind, length })
+    }
+
+    fn unsigned<const N: usize>(&self, mut bytes: [u8; N]) -> u32 {
+        if self.endian == Endian::Little {
+            bytes.reverse();
+        }
+        bytes.iter().fold(0, |number, byte| number << 8 | u32::from(*byte))
     }
 
     fn array<const N: usize>(&mut self) -> Result<[u8; N], Error> {

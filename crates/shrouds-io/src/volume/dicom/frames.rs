@@ -6,6 +6,7 @@ use flate2::read::DeflateDecoder;
 
 use crate::error::Error;
 use crate::volume::Values;
+use crate::volume::decode::Endian;
 use crate::volume::dicom::elements::Reader;
 
 /// How the pixels of a frame are coded.
@@ -26,8 +27,8 @@ impl Coding {
             return Err(reader.damaged(format!("the transfer syntax is '{transfer_syntax}'")));
         };
         let coding = match name {
-            // Implicit, explicit, deflated as a whole, and uncompressed with a fragment each frame.
-            "" | ".1" | ".1.99" | ".1.98" => Self::Native,
+            // Implicit, explicit, big endian, deflated as a whole, uncompressed with a fragment each frame.
+            "" | ".1" | ".2" | ".1.99" | ".1.98" => Self::Native,
             ".5" => Self::RunLength,
             ".8.1" => Self::Deflate,
             _ => {
@@ -37,6 +38,9 @@ impl Coding {
             }
         };
         reader.explicit = !name.is_empty();
+        if name == ".2" {
+            reader.endian = Endian::Big;
+        }
         Ok((coding, if name == ".1.99" { reader.inflate() } else { reader }))
     }
 }

@@ -69,6 +69,10 @@ pub(super) fn open<'a>(stream: Stream<'a>, options: &VolumeOptions) -> Result<Un
     };
     let (rows, columns) = (number(tag::ROWS, "rows")?, number(tag::COLUMNS, "columns")?);
     let (stack, owners) = placed_frames(path, &header, kind)?;
+    let mut warnings = stack.warnings;
+    if header.text(tag::FRAMES).is_none() {
+        warnings.push("It has no number of frames: the first was read as the only one.".into());
+    }
     let dims = [columns, rows, stack.slices];
     let frame = Frame::new("LPS", "mm", "plane positions");
     let (grid, frame) = lattice(path, dims, stack.affine, frame, options)?;
@@ -81,7 +85,7 @@ pub(super) fn open<'a>(stream: Stream<'a>, options: &VolumeOptions) -> Result<Un
     let stored = Stored { frames: owners.len(), pixels: rows * columns, bits };
     let pixels = stored.read(&mut reader, coding, (length != UNDEFINED).then_some(length))?;
     reader.stream.finish()?;
-    let mut contents = Contents { warnings: stack.warnings, ..Contents::default() };
+    let mut contents = Contents { warnings, ..Contents::default() };
     contents.segments = names(&header);
     let maximum = match kind {
         Kind::LabelMap(_) => {
@@ -148,12 +152,18 @@ fn kind(path: &Path, header: &Dataset) -> Result<Kind, Error> {
 fn placed_frames(path: &Path, header: &Dataset, kind: Kind) -> Result<(Stack, Vec<usize>), Error> {
     let nothing = Dataset::default();
     let shared = header.item(tag::SHARED_GROUPS).unwrap_or(&nothing);
-    let groups = header.items(tag::FRAME_GROUPS);
-    let count = header.text(tag::FRAMES).and_then(|text| text.parse::<usize>().ok());
-    if groups.is_empty() || count.is_some_and(|count| count != groups.len()) {
-        let count = count.map_or("no number of".into(), |count| count.to_string());
-        let problem = format!("it has {count} frames, and places {} of them", groups.len());
-        return Err(Error::header(path, problem));
+    let mut groups = header.items(tag::FRAME_GROUPS);
+    match header.text(tag::FRAMES) {
+        // As in images of one frame, which do not count it.
+        None => groups = &groups[..groups.len().min(1)],
+        Some(count) if count.parse() == Ok(groups.len()) => {}
+        Some(count) => {
+            let problem = format!("it has {count} frames, and places {} of them", groups.len());
+            return Err(Error::header(path, problem));
+        }
+    }
+    if groups.is_empty() {
+        return Err(Error::header(path, "it places no frame"));
     }
     let mut owners = Vec::new();
     for own in groups {
