@@ -115,7 +115,7 @@ def test_boolean_operations(shrouds, tmp_path, operation, combine):
 
 def test_voxels_of_a_mesh(shrouds, tmp_path):
     mesh = trimesh.creation.torus(major_radius=10, minor_radius=4, major_sections=90)
-    mesh.apply_transform(trimesh.transformations.random_rotation_matrix([0.3, 0.6, 0.1]))
+    mesh.apply_transform(trimesh.transformations.random_rotation_matrix(np.array([0.3, 0.6, 0.1])))
     mesh.export(tmp_path / "torus.ply")
     out = tmp_path / "torus.nii"
     call = ["voxelize", tmp_path / "torus.ply", "--spacing", 0.5, "-o", out, "--json"]
