@@ -45,6 +45,9 @@ impl From<shrouds_io::Error> for Failure {
     fn from(error: shrouds_io::Error) -> Self {
         match error {
             shrouds_io::Error::Extension { .. } => Self::Call(error.to_string()),
+            shrouds_io::Error::Choice { .. } => {
+                Self::Undone(format!("{error}, with --frame N, --array NAME or --level N"))
+            }
             _ => Self::Undone(error.to_string()),
         }
     }

@@ -67,15 +67,16 @@ pub(crate) fn orientation(grid: &Grid, frame: &Frame) -> Option<String> {
     Some(letters.iter().collect())
 }
 
-/// How to write a mesh whose lattice has this smallest spacing, and a warning where the format has
+/// How to write meshes whose lattice has this smallest spacing, and a warning where the format has
 /// too few digits.
 pub(crate) fn mesh_options(
-    mesh: &TriMesh,
+    meshes: &[&TriMesh],
     format: MeshFormat,
     frame: Frame,
     min_spacing: f64,
 ) -> (MeshOptions, Option<String>) {
-    let largest = mesh.vertices.iter().flatten().fold(0.0, |max: f64, x| max.max(x.abs()));
+    let coordinates = meshes.iter().flat_map(|mesh| mesh.vertices.iter().flatten());
+    let largest = coordinates.fold(0.0, |max: f64, x| max.max(x.abs()));
     let error = largest * SINGLE;
     let coarse = error > ROUNDING * min_spacing;
     let warning = (coarse && format == MeshFormat::Stl).then(|| {
@@ -144,7 +145,7 @@ mod tests {
     fn digits_follow_the_distance_from_the_origin() {
         let at = |x: f64| TriMesh { vertices: vec![[0.0, -x, 0.0]], ..TriMesh::default() };
         let frame = Frame { name: "RAS".into(), unit: "mm".into(), source: "options" };
-        let options = |x, format| mesh_options(&at(x), format, frame.clone(), 1.0);
+        let options = |x, format| mesh_options(&[&at(x)], format, frame.clone(), 1.0);
         let (near, warning) = options(1000.0, MeshFormat::Stl);
         assert_eq!((near.precision, warning), (Precision::Single, None));
         let (far, warning) = options(2000.0, MeshFormat::Ply);

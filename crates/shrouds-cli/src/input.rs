@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use shrouds::{Occupancy, Select};
+use shrouds::{Grid, Occupancy, Select};
 use shrouds_io::{
     Contents, Frame, Selected, Volume, VolumeOptions, mesh_format, read_contents, read_occupancy,
     read_volume, volume_format,
@@ -22,8 +22,10 @@ pub(crate) struct Source {
     pub(crate) path: PathBuf,
     /// What was selected, in words.
     pub(crate) selection: String,
-    /// The inside points.
+    /// The inside points, perhaps without empty slices around them.
     pub(crate) occupancy: Occupancy,
+    /// The lattice of the file.
+    pub(crate) lattice: Grid,
     /// What world coordinates mean.
     pub(crate) frame: Frame,
     /// Volume and area of the body, where a formula gives them.
@@ -53,12 +55,12 @@ pub(crate) fn contents(
     path: &Path,
     args: &VolumeArgs,
     console: Console,
-) -> Result<Contents, Failure> {
-    let (_, _, contents) = read_contents(path, &volume_options(args, &|_, _| {}))?;
+) -> Result<(Grid, Frame, Contents), Failure> {
+    let (lattice, frame, contents) = read_contents(path, &volume_options(args, &|_, _| {}))?;
     for warning in &contents.warnings {
         console.warn(&format!("{}: {warning}", path.display()));
     }
-    Ok(contents)
+    Ok((lattice, frame, contents))
 }
 
 /// Reads one layer of a volume file.
@@ -125,7 +127,7 @@ pub(crate) fn source(
     progress: &Progress,
 ) -> Result<Source, Failure> {
     let start = Instant::now();
-    let contents = contents(path, args, console)?;
+    let (_, _, contents) = contents(path, args, console)?;
     let selection = Selection::new(path, args, &contents)?;
     let Selected { occupancy, frame, .. } = selected(path, args, &selection, console, progress)?;
     if occupancy.count() == 0 {
@@ -135,7 +137,8 @@ pub(crate) fn source(
     }
     let seconds = start.elapsed().as_secs_f64();
     let (path, truth) = (path.into(), [None; 2]);
-    Ok(Source { path, selection: selection.words, occupancy, frame, truth, seconds })
+    let lattice = occupancy.grid().clone();
+    Ok(Source { path, selection: selection.words, occupancy, lattice, frame, truth, seconds })
 }
 
 /// The inside points of a volume, possibly none.

@@ -31,6 +31,7 @@ pub(crate) fn source(
     Ok(Source {
         path,
         selection: "all but 0".into(),
+        lattice: volume.grid().clone(),
         occupancy: volume,
         frame: Frame { name: "index".into(), unit: "unknown".into(), source: "phantom" },
         truth: [true_volume, true_area],

@@ -200,7 +200,7 @@ impl Report {
 
 impl Input {
     pub(crate) fn new(source: &Source) -> Self {
-        let grid = source.occupancy.grid();
+        let grid = &source.lattice;
         Self {
             file: name(&source.path),
             selection: source.selection.clone(),

@@ -222,7 +222,8 @@ pub(crate) fn volume_options<'a>(
         spacing: args.spacing,
         layer: args.layer(),
         array: args.array.as_deref(),
+        level: args.level,
+        raw: args.raw(),
         progress: Some(progress),
-        ..VolumeOptions::default()
     }
 }

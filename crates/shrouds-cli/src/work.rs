@@ -5,12 +5,15 @@ use std::path::Path;
 use std::time::Instant;
 
 use shrouds::check::{CheckReport, CheckSettings, check};
+use shrouds::measure::curvatures;
+use shrouds::network::Network;
 use shrouds::optimize::{self, Status};
 use shrouds::volume::Border;
-use shrouds::{Occupancy, Shroud, TriMesh, shroud_observed};
-use shrouds_io::{mesh_format, write_mesh};
+use shrouds::{Grid, Occupancy, Shroud, TriMesh, shroud_observed};
+use shrouds_io::{Frame, Part, mesh_format, write_meshes};
+use shrouds_view::LineSet;
 
-use crate::args::FrameChoice;
+use crate::args::{Attribute, FrameChoice};
 use crate::console::{Console, plural};
 use crate::failure::Failure;
 use crate::frame;
@@ -26,8 +29,25 @@ pub(crate) struct Outputs<'a> {
     pub(crate) mesh: &'a Path,
     pub(crate) picture: Option<&'a Path>,
     pub(crate) report: Option<&'a Path>,
-    /// Whether the picture shows the slice curves.
+}
+
+/// What is wanted of a shroud besides its mesh.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Extras {
+    /// The slice curves, for the picture.
     pub(crate) network: bool,
+    /// Numbers per vertex.
+    pub(crate) attributes: Vec<Attribute>,
+}
+
+/// A shroud that was checked, in world coordinates.
+pub(crate) struct Made {
+    pub(crate) mesh: TriMesh,
+    /// Numbers per vertex with their names.
+    pub(crate) attributes: Vec<(&'static str, Vec<f32>)>,
+    pub(crate) lines: Vec<LineSet>,
+    pub(crate) report: Report,
+    optimization: optimize::Report,
 }
 
 /// What was done.
@@ -42,12 +62,44 @@ pub(crate) fn produce(
     source: &Source,
     job: &Job,
     outputs: &Outputs,
+    extras: &Extras,
     start: Instant,
     console: Console,
     progress: &Progress,
 ) -> Result<Done, Failure> {
+    let mut made = make(source, job, extras, progress)?;
+    progress.stage("writing");
+    let writing = Instant::now();
+    // Drawn first: once the mesh is in place nothing but a full disk keeps the others from it.
+    let picture = match outputs.picture {
+        Some(path) => Some((path, View::usual().draw(&made.mesh, &made.lines)?)),
+        None => None,
+    };
+    let part = PartOf { name: String::new(), label: None, made: &mut made };
+    write(outputs.mesh, &mut [part], &source.lattice, &source.frame, job.frame, console)?;
+    if let Some((path, picture)) = picture {
+        write_picture(path, &picture)?;
+    }
+    let Made { mut report, optimization, .. } = made;
+    report.times.write = writing.elapsed().as_secs_f64();
+    report.times.total = start.elapsed().as_secs_f64();
+    report.memory = peak_memory();
+    if let Some(path) = outputs.report {
+        write_json(path, &report)?;
+    }
+    Ok(Done { report, optimization })
+}
+
+/// Shrouds a volume and checks the mesh.
+pub(crate) fn make(
+    source: &Source,
+    job: &Job,
+    extras: &Extras,
+    progress: &Progress,
+) -> Result<Made, Failure> {
     let shroud = shroud(&source.occupancy, job, progress)?;
-    let lines = if outputs.network { network_lines(&shroud) } else { Vec::new() };
+    let lines = if extras.network { network_lines(&shroud) } else { Vec::new() };
+    let attributes = attributes(&shroud, &extras.attributes);
     let Shroud { surface, delta, mesh, report: optimization, times } = shroud;
     // The check takes their room.
     drop((surface, delta));
@@ -56,25 +108,23 @@ pub(crate) fn produce(
     let checks = certify(&mesh, &source.occupancy, job)?;
     let mut report = Report::new(source, job, &optimization, times, &checks);
     report.times.check = checking.elapsed().as_secs_f64();
+    Ok(Made { mesh, attributes, lines, report, optimization })
+}
 
-    progress.stage("writing");
-    let writing = Instant::now();
-    // Drawn first: once the mesh is in place nothing but a full disk keeps the others from it.
-    let picture = match outputs.picture {
-        Some(path) => Some((path, View::usual().draw(&mesh, &lines)?)),
-        None => None,
-    };
-    write(outputs.mesh, mesh, source, job.frame, console)?;
-    if let Some((path, picture)) = picture {
-        write_picture(path, &picture)?;
+/// Numbers for every vertex of a primal mesh.
+fn attributes(shroud: &Shroud, wanted: &[Attribute]) -> Vec<(&'static str, Vec<f32>)> {
+    let mut found = Vec::new();
+    if wanted.contains(&Attribute::Delta) {
+        found.push(("delta", shroud.delta.iter().map(|delta| *delta as f32).collect()));
     }
-    report.times.write = writing.elapsed().as_secs_f64();
-    report.times.total = start.elapsed().as_secs_f64();
-    report.memory = peak_memory();
-    if let Some(path) = outputs.report {
-        write_json(path, &report)?;
+    if wanted.contains(&Attribute::Curvature) {
+        let network = Network::trace(&shroud.surface);
+        let curvatures = curvatures(&network, &shroud.mesh.vertices, &shroud.mesh.normals);
+        found.push(("mean_curvature", curvatures.iter().map(|c| c.mean() as f32).collect()));
+        found
+            .push(("gaussian_curvature", curvatures.iter().map(|c| c.gaussian() as f32).collect()));
     }
-    Ok(Done { report, optimization })
+    found
 }
 
 /// The shroud of a volume.
@@ -109,39 +159,81 @@ pub(crate) fn certify(
     Ok(check(mesh, volume, &settings)?)
 }
 
-fn write(
+/// A mesh on its way into a file.
+pub(crate) struct PartOf<'a> {
+    pub(crate) name: String,
+    pub(crate) label: Option<i128>,
+    pub(crate) made: &'a mut Made,
+}
+
+/// Writes meshes from the same lattice to one file, in the coordinates that were chosen.
+pub(crate) fn write(
     path: &Path,
-    mut mesh: TriMesh,
-    source: &Source,
+    parts: &mut [PartOf],
+    lattice: &Grid,
+    world: &Frame,
     choice: FrameChoice,
     console: Console,
 ) -> Result<(), Failure> {
-    let grid = source.occupancy.grid();
-    let mut spacing = grid.min_spacing();
+    let mut spacing = lattice.min_spacing();
     if choice == FrameChoice::Index {
-        frame::to_index(&mut mesh, grid);
+        parts.iter_mut().for_each(|part| frame::to_index(&mut part.made.mesh, lattice));
         spacing = 1.0;
     }
-    let name = frame::name(choice, &source.frame);
-    let (options, warning) = frame::mesh_options(&mesh, mesh_format(path)?, name, spacing);
-    write_mesh(path, &mesh, &options)?;
+    let frame = frame::name(choice, world);
+    let meshes: Vec<&TriMesh> = parts.iter().map(|part| &part.made.mesh).collect();
+    let (options, warning) = frame::mesh_options(&meshes, mesh_format(path)?, frame, spacing);
+    let numbers: Vec<Vec<shrouds_io::Attribute>> = parts
+        .iter()
+        .map(|part| {
+            let attributes = part.made.attributes.iter();
+            attributes.map(|(name, values)| shrouds_io::Attribute { name, values }).collect()
+        })
+        .collect();
+    let parts: Vec<Part> = parts
+        .iter()
+        .zip(&numbers)
+        .map(|(part, attributes)| Part {
+            name: &part.name,
+            label: part.label.and_then(|label| label.try_into().ok()),
+            mesh: &part.made.mesh,
+            attributes,
+        })
+        .collect();
+    write_meshes(path, &parts, &options)?;
     if let Some(warning) = warning {
         console.warn(&format!("{}: {warning}", path.display()));
     }
     Ok(())
 }
 
+impl Made {
+    /// As [`Done::verdict`].
+    pub(crate) fn verdict(&self, job: &Job, console: Console) -> Result<(), Failure> {
+        verdict(&self.report, &self.optimization, job, console)
+    }
+}
+
 impl Done {
     /// How the work ended, once all is written: a failure when the check found a fault, or when the
     /// optimisation did not converge under `--strict`.
     pub(crate) fn verdict(&self, job: &Job, console: Console) -> Result<(), Failure> {
-        if let Some(problem) = self.report.checks.problems.first() {
-            return Err(Failure::Undone(format!(
-                "the mesh fails its check: {problem}; this is a fault of the program: please report it with the volume"
-            )));
-        }
-        converged(&self.optimization, job, console)
+        verdict(&self.report, &self.optimization, job, console)
     }
+}
+
+fn verdict(
+    report: &Report,
+    optimization: &optimize::Report,
+    job: &Job,
+    console: Console,
+) -> Result<(), Failure> {
+    if let Some(problem) = report.checks.problems.first() {
+        return Err(Failure::Undone(format!(
+            "the mesh fails its check: {problem}; this is a fault of the program: please report it with the volume"
+        )));
+    }
+    converged(optimization, job, console)
 }
 
 /// Warns when the optimisation was to converge and did not, or fails if that was asked for.

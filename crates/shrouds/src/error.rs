@@ -149,6 +149,11 @@ pub enum Error {
         /// The measures there are, with their arguments.
         known: String,
     },
+    /// A mesh has no extent that a lattice could be fitted to.
+    #[error(
+        "no lattice fits the mesh, because {0}; take the lattice of a volume, or give the spacing"
+    )]
+    NoExtent(&'static str),
     /// A mesh refers to a vertex that it does not have, or a coordinate is not finite.
     #[error("the mesh is damaged: {0}")]
     Mesh(String),

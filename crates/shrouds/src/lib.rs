@@ -34,6 +34,7 @@ pub mod optimize;
 pub mod mesh;
 pub mod measure;
 pub mod check;
+pub mod voxelize;
 mod pipeline;
 pub mod polygon;
 
@@ -42,6 +43,7 @@ pub use grid::Grid;
 pub use mesh::TriMesh;
 pub use pipeline::{Settings, Shroud, Times, shroud, shroud_observed};
 pub use volume::{Occupancy, Select};
+pub use voxelize::voxelize;
 
 /// The README's example runs as a test.
 #[cfg(doctest)]

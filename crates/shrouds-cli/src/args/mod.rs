@@ -14,11 +14,11 @@ use clap::{Args, Parser, Subcommand};
 use crate::energies;
 
 pub(crate) use names::{
-    Axes, Border, Faces, FrameChoice, Interpolation, Operation, Preset, Solver, SurfaceKind,
-    TriangleRule, VolumeRule,
+    Attribute, Axes, Border, Each, Faces, FrameChoice, Interpolation, Operation, Preset, Solver,
+    SurfaceKind, TriangleRule, VolumeRule, Winding,
 };
 pub(crate) use operations::{
-    CleanArgs, CombineArgs, CropArgs, EditArgs, OffsetArgs, ResampleArgs, Window,
+    CleanArgs, CombineArgs, CropArgs, EditArgs, OffsetArgs, ResampleArgs, VoxelizeArgs, Window,
 };
 pub(crate) use polygon::{PolygonArgs, Slice};
 pub(crate) use shroud::{ShroudArgs, SolveArgs};
@@ -94,6 +94,9 @@ pub(crate) enum Verb {
     /// Remove small parts, fill cavities
     #[command(after_help = operations::CLEAN_HELP)]
     Clean(CleanArgs),
+    /// Turn a triangle mesh into a volume
+    #[command(after_help = operations::VOXELIZE_HELP)]
+    Voxelize(VoxelizeArgs),
 }
 
 /// The end of a help text, and the energies there are.

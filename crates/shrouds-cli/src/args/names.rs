@@ -129,3 +129,30 @@ pub(crate) enum Interpolation {
     /// new voxel
     Linear,
 }
+
+/// For which labels there is a mesh.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Each {
+    /// For each one but 0
+    All,
+}
+
+/// Numbers for every vertex of a mesh.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Attribute {
+    /// Place on the grid edge: 1 at its inside end, 0 at the outside end
+    Delta,
+    /// Mean and Gaussian curvature, positive where convex: 1/length, 1/length²
+    Curvature,
+}
+
+/// Which winding numbers of a mesh are inside.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Winding {
+    /// All but 0: the union of overlapping parts
+    NonZero,
+    /// Those above 0: parts that face inwards are empty
+    Positive,
+    /// The odd ones: overlaps are empty
+    Odd,
+}

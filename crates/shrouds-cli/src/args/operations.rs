@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use clap::{ArgGroup, Args};
 
-use crate::args::{Border, Faces, Interpolation, Operation, VolumeArgs, values};
+use crate::args::{Border, Faces, Interpolation, Operation, VolumeArgs, Winding, values};
 
 pub(crate) const COMBINE_HELP: &str = "\
 Both volumes must have the same lattice; `shrouds resample B --like A` brings one onto that of the other.
@@ -37,6 +37,14 @@ What is asked for is done in the order of the options below.
 
 Example, one solid part:
   shrouds clean liver.nii.gz --keep-largest --fill-cavities -o solid.nii.gz";
+
+pub(crate) const VOXELIZE_HELP: &str = "\
+Voxels whose centre lies inside the mesh are inside, exactly. A mesh with holes, or whose parts overlap or
+face opposite sides, is judged by its winding number, with a warning.
+
+Example, a scan as a volume of at most 256 voxels a side, and on the lattice of another volume:
+  shrouds voxelize bunny.ply --size 256 -o bunny.nrrd
+  shrouds voxelize implant.stl --like head.nii.gz -o implant.nii.gz";
 
 /// A volume in, a volume out.
 #[derive(Args)]
@@ -141,6 +149,34 @@ pub(crate) struct CleanArgs {
     /// What connects voxels, as in the surface
     #[arg(long, value_enum, default_value_t = Faces::Separate)]
     pub(crate) faces: Faces,
+}
+
+#[derive(Args)]
+#[command(group = ArgGroup::new("lattice").required(true).args(["size", "spacing", "like"]))]
+pub(crate) struct VoxelizeArgs {
+    /// The mesh: .ply, .stl or .obj
+    pub(crate) mesh: PathBuf,
+    /// The volume file to write: 1 inside, 0 outside
+    #[arg(short, long, value_name = "VOLUME")]
+    pub(crate) output: PathBuf,
+    /// So many voxels along the longest side, margins included
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) size: Option<u32>,
+    /// Distance of the voxels, one for all axes or along x, y, z, in the unit of the mesh
+    #[arg(long, value_name = "H|HX,HY,HZ", value_parser = values::lengths)]
+    pub(crate) spacing: Option<[f64; 3]>,
+    /// Take the lattice of this volume
+    #[arg(long, value_name = "VOLUME")]
+    pub(crate) like: Option<PathBuf>,
+    /// Voxels more on every side than the mesh needs; not with --like
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) margin: u32,
+    /// Which winding numbers are inside
+    #[arg(long, value_enum, default_value_t = Winding::NonZero)]
+    pub(crate) winding: Winding,
+    /// Print what was done as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 /// Ranges of voxel indices along x, y, z.

@@ -8,7 +8,7 @@ use clap::Args;
 use crate::args::{ShroudArgs, VolumeArgs};
 
 pub(crate) const POLYGON_HELP: &str = "\
-Images are volumes of one slice, or slices of volumes: .npy, .nii, .nii.gz, .nrrd.
+Images are volumes of one slice, or slices of volumes, as for `shrouds mesh`.
 The preset is exact unless another one is chosen: an image takes little time.
 
 Example, slice 12 of a segmentation as a picture:
@@ -16,7 +16,7 @@ Example, slice 12 of a segmentation as a picture:
 
 #[derive(Args)]
 pub(crate) struct PolygonArgs {
-    /// The image: a volume file, .npy, .nii, .nii.gz or .nrrd
+    /// The image: a volume file, as for `shrouds mesh`
     pub(crate) input: PathBuf,
     /// The file to write: a picture (.svg), lines (.obj), or polygons and report (.json)
     #[arg(short, long, value_name = "FILE")]

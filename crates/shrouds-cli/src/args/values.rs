@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use serde::{Serialize, Serializer};
 use shrouds::energy::Energy;
+use shrouds_io::ElementType;
 
 /// Where the vertices start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,6 +64,22 @@ pub(crate) fn spacing(text: &str) -> Result<[f64; 3], String> {
     let numbers: Option<Vec<f64>> = text.split(',').map(|part| number(part.trim())).collect();
     let numbers: Option<[f64; 3]> = numbers.and_then(|numbers| numbers.try_into().ok());
     numbers.filter(|numbers| numbers.iter().all(|x| *x > 0.0)).ok_or_else(|| advice.into())
+}
+
+/// Three positive numbers of voxels.
+pub(crate) fn dims(text: &str) -> Result<[usize; 3], String> {
+    let numbers: Option<Vec<usize>> = text.split(',').map(|n| n.trim().parse().ok()).collect();
+    let numbers: Option<[usize; 3]> = numbers.and_then(|numbers| numbers.try_into().ok());
+    let advice = "give three whole numbers above 0 along x, y, z, such as 512,512,200";
+    numbers.filter(|numbers| numbers.iter().all(|n| *n > 0)).ok_or_else(|| advice.into())
+}
+
+/// A type of values.
+pub(crate) fn element(text: &str) -> Result<ElementType, String> {
+    ElementType::from_name(text).ok_or_else(|| {
+        let names: Vec<&str> = ElementType::ALL.iter().map(|element| element.name()).collect();
+        format!("give one of {}", names.join(", "))
+    })
 }
 
 /// One positive length for all axes, or three.
@@ -132,6 +149,9 @@ mod tests {
         assert_eq!(spacing("1, 2,.5"), Ok([1.0, 2.0, 0.5]));
         assert_eq!((lengths("2"), lengths("1,2,3")), (Ok([2.0; 3]), Ok([1.0, 2.0, 3.0])));
         assert!(["", "0", "1,2", "x"].iter().all(|s| lengths(s).is_err()));
+        assert_eq!(dims("3, 4,5"), Ok([3, 4, 5]));
+        assert!(["3,4", "3,4,0", "3,4,x"].iter().all(|s| dims(s).is_err()));
+        assert!(element("uint16").is_ok() && element("word").is_err());
         assert_eq!(colour("#ff8000"), Ok([255, 128, 0]));
         assert!(
             ["random", "random:", "random:-1", "blur:1"]

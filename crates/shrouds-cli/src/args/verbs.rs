@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::args::shroud::FrameArgs;
-use crate::args::{Border, Faces, ShroudArgs, SolveArgs, VolumeArgs, values};
+use crate::args::{Attribute, Border, Each, Faces, ShroudArgs, SolveArgs, VolumeArgs, values};
 
 /// Where the viewer stands unless told otherwise: seen from there each of the linked tori shows its hole.
 pub(crate) const AZIMUTH: f64 = -75.0;
@@ -18,10 +18,15 @@ Example, a larger gyroid into a folder of its own, its slice curves on the pictu
   shrouds demo gyroid --size 96 --network --output gyroid";
 
 pub(crate) const MESH_HELP: &str = "\
-Volumes: .npy, .nii, .nii.gz, .nrrd. Meshes: .ply, .stl, .obj.
+Volumes: .nii, .nii.gz, .nrrd, .nhdr, .seg.nrrd, .mha, .mhd, .dcm, .tif, .npy, .npz, .vti, .raw, and folders
+of .tif or of (OME-)Zarr. Meshes: .ply, .stl, .obj, .glb, .vtp, .3mf.
 
 Example, the liver (label 6) of a segmentation, with a picture and the report:
   shrouds mesh organs.nii.gz --label 6 -o liver.ply --picture liver.png --report liver.json
+
+Every label a mesh of its own, in a folder, and all of them in one file for a viewer:
+  shrouds mesh organs.nii.gz --labels all -o organs
+  shrouds mesh organs.nii.gz --labels all -o organs.glb
 
 The same as near to the minimum as it gets, or else exit code 3:
   shrouds mesh organs.nii.gz --label 6 -o liver.ply --strict";
@@ -33,7 +38,7 @@ Example:
   shrouds check liver.ply --volume organs.nii.gz --label 6";
 
 pub(crate) const INFO_HELP: &str = "\
-Volumes: .npy, .nii, .nii.gz, .nrrd. Meshes: .ply, .stl, .obj.
+Volumes as for `shrouds mesh`. Meshes: .ply, .stl, .obj.
 
 Example:
   shrouds info organs.nii.gz";
@@ -81,11 +86,24 @@ pub(crate) struct DemoArgs {
 
 #[derive(Args)]
 pub(crate) struct MeshArgs {
-    /// The volume file: .npy, .nii, .nii.gz or .nrrd
+    /// The volume: a file, or a folder for formats that are one; see below
     pub(crate) input: PathBuf,
-    /// The mesh file to write: .ply, .stl or .obj
+    /// The mesh file to write: .ply, .stl, .obj, .glb, .vtp or .3mf. With --labels all also a folder,
+    /// which is made if need be
     #[arg(short, long, value_name = "MESH")]
     pub(crate) output: PathBuf,
+    /// One mesh for each label but 0: to a folder, a file each, or all to one file, as objects of OBJ,
+    /// GLB and 3MF, or told apart by the data `label` of PLY and VTP
+    #[arg(long = "labels", value_enum, value_name = "all", conflicts_with_all = ["labels", "threshold"])]
+    pub(crate) each: Option<Each>,
+    /// Format of the files in a folder
+    #[arg(long, value_name = "EXTENSION", requires = "each",
+        value_parser = ["ply", "stl", "obj", "glb", "vtp", "3mf"], default_value = "ply",
+        hide_default_value = false)]
+    pub(crate) format: String,
+    /// Numbers for every vertex, with commas between them; for .ply, .glb and .vtp
+    #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',')]
+    pub(crate) attributes: Vec<Attribute>,
     /// Also write the report (JSON)
     #[arg(long, value_name = "FILE")]
     pub(crate) report: Option<PathBuf>,
@@ -105,7 +123,7 @@ pub(crate) struct MeshArgs {
 pub(crate) struct CheckArgs {
     /// The mesh file: .ply, .stl or .obj
     pub(crate) mesh: PathBuf,
-    /// The volume file it is to be the surface of: .npy, .nii, .nii.gz or .nrrd
+    /// The volume file it is to be the surface of, as for `shrouds mesh`
     #[arg(long, value_name = "FILE")]
     pub(crate) volume: PathBuf,
     /// How the mesh should pass through ambiguous cell faces: decides the expected topology
@@ -156,7 +174,7 @@ pub(crate) struct RenderArgs {
 
 #[derive(Args)]
 pub(crate) struct CompareArgs {
-    /// The volume file: .npy, .nii, .nii.gz or .nrrd; or demo:NAME for a phantom
+    /// The volume file, as for `shrouds mesh`; or demo:NAME for a phantom
     pub(crate) input: PathBuf,
     /// The energies, parted by semicolons; `preset` stands for what the preset is made for [default:
     /// that one, those that keep thin parts, variation, and the two of the paper with each

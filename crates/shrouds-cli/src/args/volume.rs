@@ -3,6 +3,7 @@
 use std::str::FromStr;
 
 use clap::Args;
+use shrouds_io::{ElementType, RawLayout};
 
 use crate::args::{Axes, FrameChoice, values};
 use crate::failure::Failure;
@@ -26,6 +27,22 @@ pub(crate) struct VolumeArgs {
     /// Which array of a file that holds several, by its name
     #[arg(long, value_name = "NAME")]
     pub(crate) array: Option<String>,
+    /// Which resolution of an OME-Zarr image, from the finest, 0, on
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) level: usize,
+    /// Voxels along x, y, z of a .raw file, which has no header; the first axis is the fastest
+    #[arg(long, value_name = "NX,NY,NZ", value_parser = values::dims)]
+    raw_dims: Option<[usize; 3]>,
+    /// Type of the values of a .raw file
+    #[arg(long, value_name = "TYPE", requires = "raw_dims", default_value = "uint8",
+        value_parser = values::element)]
+    raw_type: ElementType,
+    /// The values of a .raw file have their most significant byte first
+    #[arg(long, requires = "raw_dims")]
+    raw_big_endian: bool,
+    /// Byte of a .raw file at which the values begin
+    #[arg(long, value_name = "BYTES", requires = "raw_dims", default_value_t = 0)]
+    raw_offset: u64,
     /// Order of the axes of a NumPy array; other formats name their axes
     #[arg(long, value_enum, default_value_t = Axes::Zyx)]
     pub(crate) axes: Axes,
@@ -90,11 +107,23 @@ impl VolumeArgs {
         }
     }
 
+    /// How the values of a file without header lie.
+    pub(crate) fn raw(&self) -> Option<RawLayout> {
+        self.raw_dims.map(|dims| RawLayout {
+            dims,
+            element: self.raw_type,
+            big_endian: self.raw_big_endian,
+            offset: self.raw_offset,
+        })
+    }
+
     /// Whether the call says anything about a file.
     pub(crate) fn is_given(&self) -> bool {
         !self.labels.is_empty()
             || !self.frames.is_empty()
             || self.array.is_some()
+            || self.level > 0
+            || self.raw_dims.is_some()
             || self.threshold.is_some()
             || self.spacing.is_some()
     }

@@ -42,7 +42,7 @@ pub(crate) fn run(args: &CheckArgs, console: Console) -> Result<(), Failure> {
 /// The inside points in the frame of the mesh, possibly none.
 fn volume(args: &CheckArgs, console: Console, progress: &Progress) -> Result<Occupancy, Failure> {
     let (path, arguments) = (&args.volume, &args.selection);
-    let contents = input::contents(path, arguments, console)?;
+    let (_, _, contents) = input::contents(path, arguments, console)?;
     let selection = Selection::new(path, arguments, &contents)?;
     let volume = input::selected(path, arguments, &selection, console, progress)?.occupancy;
     match arguments.coordinates() {

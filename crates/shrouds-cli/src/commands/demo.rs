@@ -15,7 +15,7 @@ use crate::picture::NETWORK_ON_DUAL;
 use crate::progress::Progress;
 use crate::report::Report;
 use crate::settings::Job;
-use crate::work::{Outputs, produce};
+use crate::work::{Extras, Outputs, produce};
 
 const VOLUME: &str = "volume.npy";
 
@@ -40,13 +40,10 @@ pub(crate) fn run(args: &DemoArgs, console: Console) -> Result<(), Failure> {
     let source = phantom::source(&args.name, size, args.output.join(VOLUME), start)?;
     let files = Files::in_folder(&args.output)?;
     write_npy(&files.volume, &source.occupancy)?;
-    let outputs = Outputs {
-        mesh: &files.mesh,
-        picture: Some(&files.picture),
-        report: Some(&files.report),
-        network: args.network,
-    };
-    let done = produce(&source, &job, &outputs, start, console, &progress)?;
+    let outputs =
+        Outputs { mesh: &files.mesh, picture: Some(&files.picture), report: Some(&files.report) };
+    let extras = Extras { network: args.network, ..Extras::default() };
+    let done = produce(&source, &job, &outputs, &extras, start, console, &progress)?;
     drop(progress);
     if args.json {
         print_json(&done.report)?;

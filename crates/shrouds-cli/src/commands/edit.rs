@@ -196,7 +196,7 @@ impl Work {
         console: Console,
         progress: &Progress,
     ) -> Result<Self, Failure> {
-        let contents = input::contents(path, args, console)?;
+        let (_, _, contents) = input::contents(path, args, console)?;
         let selection = Selection::new(path, args, &contents)?;
         let selected = input::selected(path, args, &selection, console, progress)?;
         let Selected { occupancy: volume, frame, .. } = selected;

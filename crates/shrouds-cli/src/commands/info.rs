@@ -27,7 +27,8 @@ pub(crate) fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
     match kind {
         Kind::Volume => {
             // Warnings are part of what is told.
-            let contents = input::contents(&args.file, &args.volume, Console { quiet: true })?;
+            let quiet = Console { quiet: true };
+            let (_, _, contents) = input::contents(&args.file, &args.volume, quiet)?;
             let info = VolumeInfo::new(&args.file, &args.volume, contents, &progress)?;
             drop(progress);
             if args.json { print_json(&info) } else { print(&info.in_words()) }
@@ -61,6 +62,8 @@ struct VolumeInfo {
     frames: usize,
     /// The ones that the rest is told of: all of a segmentation, else one.
     frames_read: Vec<usize>,
+    /// Resolutions of a pyramid.
+    levels: usize,
     /// Names of the arrays to choose from.
     arrays: Vec<String>,
     /// Type of the values.
@@ -143,6 +146,7 @@ impl VolumeInfo {
             frame_source: volume.frame.source,
             frames: 1,
             frames_read: Vec::new(),
+            levels: volume.contents.levels,
             arrays: Vec::new(),
             values: volume.values.type_name(),
             range: volume.values.range(),
@@ -195,6 +199,9 @@ impl VolumeInfo {
                 "frames",
                 format!("{}; what follows is of {}", self.frames, read.join(", ")),
             ));
+        }
+        if self.levels > 1 {
+            rows.push(("levels", format!("{}, from the finest on", self.levels)));
         }
         if !self.arrays.is_empty() {
             rows.push(("arrays", self.arrays.join(", ")));

@@ -8,6 +8,7 @@ mod info;
 mod mesh;
 mod polygon;
 mod render;
+mod voxelize;
 
 use crate::args::{Cli, Verb};
 use crate::console::Console;
@@ -29,5 +30,6 @@ pub(crate) fn run(cli: &Cli) -> Result<(), Failure> {
         Verb::Crop(args) => edit::crop(args, console),
         Verb::Resample(args) => edit::resample(args, console),
         Verb::Clean(args) => edit::clean(args, console),
+        Verb::Voxelize(args) => voxelize::run(args, console),
     }
 }

@@ -7,12 +7,12 @@ fn extensions_nobody_knows() {
     let folder = Folder::with_tori();
     folder.refuse("mesh volume.npy -o out.xyz", 2, &["out.xyz", ".ply, .stl and .obj"]);
     folder.refuse("mesh volume.npy -o out", 2, &["out", ".ply, .stl and .obj"]);
-    folder.refuse("mesh volume.tif -o out.ply", 2, &["volume.tif", ".npy, .nii"]);
-    folder.refuse("info volume.tif", 2, &["volume.tif", ".nrrd", ".obj"]);
+    folder.refuse("mesh volume.jpg -o out.ply", 2, &["volume.jpg", ".npy, .npz"]);
+    folder.refuse("info volume.jpg", 2, &["volume.jpg", ".nrrd", ".obj"]);
     folder.refuse("mesh volume.npy -o out.ply --picture p.jpg", 2, &["p.jpg", ".png"]);
     folder.refuse("render volume.npy -o out.jpg", 2, &["out.jpg", ".png"]);
     folder.refuse("check volume.npy --volume volume.npy", 2, &["volume.npy", ".ply"]);
-    folder.refuse("check out.ply --volume volume.tif", 2, &["volume.tif", ".npy"]);
+    folder.refuse("check out.ply --volume volume.jpg", 2, &["volume.jpg", ".npy"]);
 }
 
 #[test]
@@ -128,7 +128,7 @@ fn comparisons_that_cannot_be_meant() {
     let parts = ["no/sheet.png", "folder does not exist"];
     folder.refuse("compare missing.npy --picture no/sheet.png", 1, &parts);
     folder.refuse("compare volume.npy --picture sheet.jpg", 2, &["sheet.jpg", ".png"]);
-    folder.refuse("compare volume.tif", 2, &["volume.tif", ".npy"]);
+    folder.refuse("compare volume.jpg", 2, &["volume.jpg", ".npy"]);
     folder.refuse("compare volume.ply", 2, &["volume.ply", ".npy"]);
     folder.refuse("compare demo:nothing", 2, &["nothing", "tori"]);
     folder.refuse("compare volume.npy --size 8", 2, &["--size"]);

@@ -79,9 +79,9 @@ fn values_that_are_not_numbers() {
 fn more_than_three_dimensions() {
     let folder = Folder::new();
     folder.file("time.nii", &nifti(&[4, 4, 4, 5], AFFINE, &[1; 320]));
-    all_refuse(&folder, "time.nii", &["time.nii", "[4, 4, 4, 5]", "extract one frame"]);
+    all_refuse(&folder, "time.nii", &["time.nii", "frames 0 to 4", "--frame"]);
     folder.file("flat.npy", &npy("|u1", "(4, 4)", &[1; 16]));
-    all_refuse(&folder, "flat.npy", &["flat.npy", "(4, 4)", "three dimensions"]);
+    all_refuse(&folder, "flat.npy", &["flat.npy", "[4, 4]", "three dimensions"]);
 }
 
 #[test]

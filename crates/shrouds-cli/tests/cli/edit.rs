@@ -144,3 +144,28 @@ fn parts_are_removed_and_cavities_filled() {
     folder.succeed("clean tori.npy --keep-largest=1 --faces join -o one.npy");
     assert_eq!(read(&folder, "one.npy"), tori.keep_largest(1, FaceRule::Join).volume);
 }
+
+#[test]
+fn a_mesh_becomes_a_volume() {
+    let folder = Folder::with_tori();
+    folder.succeed("mesh volume.npy -o tori.ply");
+    let told = folder.succeed("voxelize tori.ply --like volume.npy -o again.npy --json");
+    let told: serde_json::Value = serde_json::from_str(&told).unwrap();
+    assert_eq!((&told["method"], &told["closed"]), (&"exact".into(), &true.into()));
+    assert_eq!(read(&folder, "again.npy"), read(&folder, "volume.npy"));
+    folder.succeed("voxelize tori.ply --size 40 -o fine.nii.gz");
+    let fine = read(&folder, "fine.nii.gz");
+    assert_eq!(fine.grid().dims().iter().max(), Some(&40));
+    let volume = fine.count() as f64 * fine.grid().voxel_volume();
+    let expected = told["enclosed_volume"].as_f64().unwrap();
+    assert!((volume / expected - 1.0).abs() < 0.02, "{volume} and {expected}");
+    // A hole is told of, and closed.
+    let mut mesh = folder.mesh("tori.ply");
+    mesh.triangles.pop();
+    shrouds_io::write_mesh(folder.path("open.ply"), &mesh, &Default::default()).unwrap();
+    let done = folder.run("voxelize open.ply --like volume.npy -o again.npy");
+    assert!(done.code == 0 && done.err.contains("3 edges with one triangle"), "{}", done.err);
+    assert_eq!(read(&folder, "again.npy"), read(&folder, "volume.npy"));
+    folder.refuse("voxelize tori.ply --size 2 -o x.npy", 2, &["size", "margin"]);
+    wrong_call(&folder, "voxelize tori.ply -o x.npy", "--size");
+}

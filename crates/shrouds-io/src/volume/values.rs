@@ -139,26 +139,6 @@ impl Values {
         with_values!(self, v => Self::F64(v.iter().map(|v| v.as_f64() * slope + shift).collect()))
     }
 
-    /// `rows` rows of `length` values, from tiles that stand side by side, each with rows of `width`.
-    ///
-    /// # Panics
-    /// When there are no tiles, or of several types.
-    pub(super) fn side_by_side(tiles: &[Self], width: usize, length: usize, rows: usize) -> Self {
-        let mut all = tiles[0].part(0, 0);
-        for row in 0..rows {
-            for (n, tile) in tiles.iter().enumerate() {
-                let start = row * width;
-                all.append(tile.part(start, start + width.min(length - n * width)));
-            }
-        }
-        all
-    }
-
-    /// Some of the values.
-    fn part(&self, start: usize, end: usize) -> Self {
-        with_values!(self, v => Self::from(v[start..end].to_vec()))
-    }
-
     /// The same values x fastest, given z fastest; `dims` are x, y, z.
     pub(super) fn with_axes_reversed(self, dims: [usize; 3]) -> Self {
         with_values!(self, v => Self::from(reverse_axes(&v, dims)))

@@ -61,7 +61,7 @@ impl Occupancy {
     }
 
     /// The volume whose row `(j, k)` has the bits that `fill` puts into its words, which are 0.
-    pub(super) fn from_rows(grid: Grid, fill: impl Fn(usize, usize, &mut [u64]) + Sync) -> Self {
+    pub(crate) fn from_rows(grid: Grid, fill: impl Fn(usize, usize, &mut [u64]) + Sync) -> Self {
         let mut volume = Self::empty(grid);
         volume.fill_slices(0..volume.grid.dims()[2], fill);
         volume
@@ -90,12 +90,21 @@ impl Occupancy {
     /// # Errors
     /// [`Error::Memory`] when it does not fit into memory.
     pub(super) fn try_empty(grid: Grid) -> Result<Self, Error> {
+        Self::check_memory(&grid)?;
+        Ok(Self::empty(grid))
+    }
+
+    /// Refuses a grid whose bits no memory can hold, before anything of their size is asked for.
+    ///
+    /// # Errors
+    /// [`Error::Memory`].
+    pub(crate) fn check_memory(grid: &Grid) -> Result<(), Error> {
         let dims = grid.dims();
         let words = dims[0].div_ceil(64) as u64 * dims[1] as u64 * dims[2] as u64;
         // Only asks: memory that is zero by nature cannot be had from what is reserved so.
         let asked = usize::try_from(words).map(|words| Vec::<u64>::new().try_reserve_exact(words));
         match asked {
-            Ok(Ok(())) => Ok(Self::empty(grid)),
+            Ok(Ok(())) => Ok(()),
             _ => Err(Error::Memory { dims, bytes: words.saturating_mul(8) }),
         }
     }

@@ -220,27 +220,22 @@ struct Pages<'a> {
 impl Pages<'_> {
     fn read(&mut self, slice: usize) -> Result<Values, Error> {
         let page = self.plan.page(slice, self.layer);
-        let found = match &self.places {
+        match &self.places {
             Places::Files(files) => {
                 let mut file = TiffFile::open(&files[page])?;
                 let place = file.places()?[0];
-                read_page(&mut file, place)?
+                read_page(&mut file, place, self.image)
             }
             Places::Directories(places) => {
-                let file = opened(&mut self.open, self.path)?;
-                read_page(file, places[page])?
+                read_page(opened(&mut self.open, self.path)?, places[page], self.image)
             }
             Places::Block(start) => {
                 let file = opened(&mut self.open, self.path)?;
                 let bytes = self.image.page_bytes();
                 let bytes = file.bytes(start + page as u64 * bytes, bytes)?;
-                (self.image, convert(&bytes, self.image.element, file.endian))
+                Ok(convert(&bytes, self.image.element, file.endian))
             }
-        };
-        if found.0 != self.image {
-            return Err(Error::header(self.path, "it changed while it was read"));
         }
-        Ok(found.1)
     }
 }
 
@@ -254,10 +249,14 @@ fn opened<'o, 'a>(
     }
 }
 
-fn read_page(file: &mut TiffFile, place: u64) -> Result<(Image, Values), Error> {
+/// The values of a page, which is still as it was when its size was checked.
+fn read_page(file: &mut TiffFile, place: u64, image: Image) -> Result<Values, Error> {
     let directory = file.directory(place)?;
     let page = Page::new(file, &directory)?;
-    Ok((page.image, page.values(file)?))
+    if page.image != image {
+        return Err(Error::header(file.path, "it changed while it was read"));
+    }
+    page.values(file)
 }
 
 impl Slabs for Pages<'_> {

@@ -78,15 +78,17 @@ impl Image {
         self.row_bytes(self.width).saturating_mul(self.height as u64)
     }
 
-    /// The values of whole rows of `width` samples.
-    fn values(self, bytes: &[u8], endian: Endian, width: usize) -> Values {
+    /// The values of whole rows.
+    fn values(self, bytes: &[u8], endian: Endian) -> Values {
         if self.bits >= 8 {
             return convert(bytes, self.element, endian);
         }
         let (bits, mask) = (self.bits as usize, (1u8 << self.bits) - 1);
         let sample = |row: &[u8], i: usize| row[i * bits / 8] >> (8 - bits - i * bits % 8) & mask;
-        let rows = bytes.chunks_exact(self.row_bytes(width) as usize);
-        rows.flat_map(|row| (0..width).map(move |i| sample(row, i))).collect::<Vec<u8>>().into()
+        let rows = bytes.chunks_exact(self.row_bytes(self.width) as usize);
+        rows.flat_map(|row| (0..self.width).map(move |i| sample(row, i)))
+            .collect::<Vec<u8>>()
+            .into()
     }
 }
 
@@ -125,7 +127,10 @@ impl Page {
             32773 => Compression::PackBits,
             other => return Err(compressed_otherwise(file, other)),
         };
+        // Rows of tiles are whole bytes, so that they can be put side by side.
+        let whole = width >= image.width as u64 || width.saturating_mul(image.bits.into()) % 8 == 0;
         let suits = match predictor {
+            _ if !whole => false,
             1 => true,
             2 => image.bits >= 8,
             3 => matches!(image.element, Element::F16 | Element::F32 | Element::F64),
@@ -208,34 +213,35 @@ impl Page {
     /// The values, row by row.
     pub(super) fn values(&self, file: &mut TiffFile) -> Result<Values, Error> {
         let [width, height] = self.chunk;
-        let image = self.image;
-        let across = image.width.div_ceil(width);
-        let mut page: Option<Values> = None;
-        // One row of tiles at a time, or one strip.
-        for (band, chunks) in self.chunks.chunks(across).enumerate() {
-            let rows = height.min(image.height - band * height);
-            let mut tiles = Vec::new();
-            for (n, &chunk) in chunks.iter().enumerate() {
-                tiles.push(self.chunk(file, chunk, self.rows(band * across + n))?);
-            }
-            let values = match tiles.len() {
-                1 if width == image.width => tiles.swap_remove(0),
-                _ => Values::side_by_side(&tiles, width, image.width, rows),
-            };
-            match &mut page {
-                Some(page) => page.append(values),
-                None => page = Some(values),
+        let across = self.image.width.div_ceil(width);
+        // The strips and tiles were checked to be able to hold as much.
+        let row = self.image.row_bytes(self.image.width) as usize;
+        let chunk_row = self.image.row_bytes(width) as usize;
+        let mut page = vec![0; row * self.image.height];
+        for (n, &chunk) in self.chunks.iter().enumerate() {
+            let bytes = self.chunk(file, chunk, self.rows(n))?;
+            let (start, from) = (n / across * height, n % across * chunk_row);
+            let rows = page.chunks_exact_mut(row).skip(start);
+            for (to, bytes) in rows.zip(bytes.chunks_exact(chunk_row)) {
+                let count = chunk_row.min(row - from);
+                to[from..from + count].copy_from_slice(&bytes[..count]);
             }
         }
-        page.ok_or_else(|| Error::header(file.path, "a page has no strips or tiles"))
+        let endian = match self.predictor {
+            2 => Endian::Little,
+            3 => Endian::Big,
+            _ => file.endian,
+        };
+        Ok(self.image.values(&page, endian))
     }
 
+    /// The bytes of a strip or tile of so many rows.
     fn chunk(
         &self,
         file: &mut TiffFile,
         (place, length): (u64, u64),
         rows: usize,
-    ) -> Result<Values, Error> {
+    ) -> Result<Vec<u8>, Error> {
         let mut bytes = file.bytes(place, length)?;
         if self.reversed {
             bytes.iter_mut().for_each(|byte| *byte = byte.reverse_bits());
@@ -253,12 +259,12 @@ impl Page {
         }
         bytes.truncate(expected);
         let (row, size) = (self.image.row_bytes(self.chunk[0]) as usize, self.image.element.size());
-        let endian = match self.predictor {
+        match self.predictor {
             2 => unpredict_integers(&mut bytes, row, size, file.endian),
             3 => unpredict_floats(&mut bytes, row, size),
-            _ => file.endian,
-        };
-        Ok(self.image.values(&bytes, endian, self.chunk[0]))
+            _ => {}
+        }
+        Ok(bytes)
     }
 }
 

@@ -2,14 +2,9 @@
 
 use crate::volume::decode::Endian;
 
-/// Sums up the differences of predictor 2, samples of `size` bytes in rows of `row` bytes; returns the
-/// order in which the bytes are then.
-pub(super) fn unpredict_integers(
-    bytes: &mut [u8],
-    row: usize,
-    size: usize,
-    endian: Endian,
-) -> Endian {
+/// Sums up the differences of predictor 2, samples of `size` bytes in rows of `row` bytes, which then
+/// are little-endian.
+pub(super) fn unpredict_integers(bytes: &mut [u8], row: usize, size: usize, endian: Endian) {
     if endian == Endian::Big {
         bytes.chunks_exact_mut(size).for_each(<[u8]>::reverse);
     }
@@ -30,12 +25,11 @@ pub(super) fn unpredict_integers(
         4 => sum!(u32),
         _ => sum!(u64),
     }
-    Endian::Little
 }
 
 /// Undoes predictor 3: differences of bytes, the first bytes of all samples of a row coming first, then
-/// the second ones; returns the order in which the bytes are then.
-pub(super) fn unpredict_floats(bytes: &mut [u8], row: usize, size: usize) -> Endian {
+/// the second ones; the samples then are big-endian.
+pub(super) fn unpredict_floats(bytes: &mut [u8], row: usize, size: usize) {
     let mut planes = vec![0; row];
     for row in bytes.chunks_exact_mut(row) {
         let mut last = 0u8;
@@ -50,7 +44,6 @@ pub(super) fn unpredict_floats(bytes: &mut [u8], row: usize, size: usize) -> End
             }
         }
     }
-    Endian::Big
 }
 
 #[cfg(test)]
@@ -60,7 +53,7 @@ mod tests {
     #[test]
     fn differences_of_integers_are_summed_up_row_by_row() {
         let mut bytes = [1, 2, 255, 10, 1, 1];
-        assert_eq!(unpredict_integers(&mut bytes, 3, 1, Endian::Big), Endian::Little);
+        unpredict_integers(&mut bytes, 3, 1, Endian::Big);
         assert_eq!(bytes, [1, 3, 2, 10, 11, 12]);
         let mut wide = [0u16, 300, 65535].map(u16::to_be_bytes).concat();
         unpredict_integers(&mut wide, 6, 2, Endian::Big);
@@ -77,7 +70,7 @@ mod tests {
             .iter()
             .map(|byte| byte.wrapping_sub(std::mem::replace(&mut last, *byte)))
             .collect();
-        assert_eq!(unpredict_floats(&mut differences, 12, 4), Endian::Big);
+        unpredict_floats(&mut differences, 12, 4);
         assert_eq!(differences, samples.map(f32::to_be_bytes).concat());
     }
 }
