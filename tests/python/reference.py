@@ -3,8 +3,8 @@
 Arrays are indexed [i, j, k] along x, y, z; affines map these indices to the world of the file.
 """
 
+import io
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import nibabel
 import nrrd
@@ -176,7 +176,7 @@ def dicom(path):
     data = pydicom.dcmread(path, stop_before_pixels=True, force=True)
     if data.get("SOPClassUID") not in SEGMENTATION:
         raise NoVolume(f"{data.get('SOPClassUID')} is no segmentation")
-    segmentation = highdicom.seg.segread(path)
+    segmentation = highdicom.seg.segread(little_endian(path))
     volume = segmentation.get_volume(combine_segments=False, rescale_fractional=False)
     # Indexed [slice, row, column, segment]: x is the column.
     masks = np.moveaxis(volume.array, 3, 0).transpose(0, 3, 2, 1)
@@ -184,6 +184,21 @@ def dicom(path):
     names = [item.SegmentLabel for item in segmentation.SegmentSequence]
     counts = {name: int(mask.sum()) for name, mask in zip(names, masks, strict=True)}
     return [Layer(masks.any(0), affine, segments=counts, turned=True)]
+
+
+def little_endian(path):
+    """The file for highdicom, which takes no big endian."""
+    import pydicom
+
+    data = pydicom.dcmread(path)
+    if data.file_meta.TransferSyntaxUID.is_little_endian:
+        return path
+    assert data["PixelData"].VR == "OB", "bytes have no order"
+    data.file_meta.TransferSyntaxUID = pydicom.uid.ExplicitVRLittleEndian
+    file = io.BytesIO()
+    pydicom.dcmwrite(file, data, implicit_vr=False, little_endian=True, enforce_file_format=True)
+    file.seek(0)
+    return file
 
 
 READERS = {

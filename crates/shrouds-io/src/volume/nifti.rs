@@ -3,6 +3,7 @@
 //! Formats: the headers `nifti1.h` and `nifti2.h` of the NIfTI Data Format Working Group. The two
 //! versions differ in the place and the width of the same fields.
 
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
@@ -15,12 +16,15 @@ use crate::volume::{Contents, Unread, VolumeOptions, lattice};
 const SIZES: [usize; 2] = [348, 540];
 /// First byte that can hold data, after the header and four bytes for its extensions.
 const FIRST_DATA: [u64; 2] = [352, 544];
+/// Intent codes of matrices over surfaces and parcels.
+const CIFTI: RangeInclusive<i32> = 3000..=3099;
 
 /// What is needed of a header of either version.
 struct Header {
     endian: Endian,
     /// Number of dimensions, then their lengths.
     dim: [i64; 8],
+    intent_code: i32,
     datatype: i16,
     /// The data is in another file.
     detached: bool,
@@ -103,6 +107,10 @@ fn values<'a>(
     options: &VolumeOptions,
 ) -> Result<Unread<'a>, Error> {
     let path = stream.path;
+    if CIFTI.contains(&header.intent_code) {
+        let what = "a CIFTI matrix, which has no lattice,";
+        return Err(Error::unsupported(path, what, "take a volume out of it, as .nii"));
+    }
     let (dims, layers) = dimensions(path, &header.dim)?;
     let element = element(path, header.datatype)?;
     let unit = match header.unit_code & 7 {
@@ -266,6 +274,7 @@ impl Fields<'_> {
         Header {
             endian: self.endian,
             dim,
+            intent_code: i32::from(self.i16(68)),
             datatype: self.i16(70),
             detached: false,
             data_offset: f64::from(self.f32(108)),
@@ -290,6 +299,7 @@ impl Fields<'_> {
         Header {
             endian: self.endian,
             dim,
+            intent_code: self.i32(504),
             datatype: self.i16(12),
             detached: false,
             data_offset: self.i64(168) as f64,

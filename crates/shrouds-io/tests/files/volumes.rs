@@ -298,6 +298,8 @@ fn what_cannot_be_read_is_said_with_a_way_out() {
     let nifti = |datatype| Nifti::new(&[2, 2, 2], datatype, false).with(&data);
     let mut pair = Nifti::new(&[2, 2, 2], 2, false);
     pair.header[344..348].copy_from_slice(b"ni1\0");
+    let mut matrix = Nifti::new(&[1, 1, 1, 1, 4, 4], 16, false);
+    matrix.put(68, 3001i16);
     let nrrd_with = |fields: &str| {
         nrrd(&format!("type: short\nsizes: 2 2 2\ndimension: 3\nendian: big\n{fields}\n"), &data)
     };
@@ -307,6 +309,7 @@ fn what_cannot_be_read_is_said_with_a_way_out() {
         ("a.nii", nifti(32), "complex"),
         ("a.nii", nifti(77), "does not exist"),
         ("a.nii", pair.with(&data), "call it .hdr"),
+        ("a.nii", matrix.with(&data), "CIFTI"),
         ("a.nii", gzip(&nifti(2)), "call it .nii.gz"),
         ("a.nii.gz", nifti(2), "call it .nii"),
         ("a.nii", data.to_vec(), "not a NIfTI"),
