@@ -16,6 +16,16 @@ pub enum Error {
         /// The largest allowed dimension.
         limit: usize,
     },
+    /// The bits of the lattice points do not fit into memory.
+    #[error(
+        "grid of {dims:?} lattice points: their bits take {gigabytes:.0} GB, which cannot be had; use fewer points or a larger spacing"
+    )]
+    Memory {
+        /// Lattice points along x, y, z.
+        dims: [usize; 3],
+        /// Memory needed.
+        gigabytes: f64,
+    },
     /// The spacing or the affine is not a usable frame.
     #[error(
         "the frame {0} is not usable: spacing must be positive and finite and the axes independent; give the spacing explicitly"
@@ -107,6 +117,11 @@ pub enum Error {
         /// The measures there are, with their arguments.
         known: String,
     },
+    /// A mesh has no extent that a lattice could be fitted to.
+    #[error(
+        "no lattice fits the mesh, because {0}; take the lattice of a volume, or give the spacing"
+    )]
+    NoExtent(&'static str),
     /// A mesh refers to a vertex that it does not have, or a coordinate is not finite.
     #[error("the mesh is damaged: {0}")]
     Mesh(String),

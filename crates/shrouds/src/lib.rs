@@ -33,6 +33,7 @@ pub mod energy;
 pub mod optimize;
 pub mod mesh;
 pub mod check;
+pub mod voxelize;
 mod pipeline;
 pub mod polygon;
 
@@ -41,6 +42,7 @@ pub use grid::Grid;
 pub use mesh::TriMesh;
 pub use pipeline::{Settings, Shroud, Times, shroud, shroud_observed};
 pub use volume::{Occupancy, Select};
+pub use voxelize::voxelize;
 
 /// The README's example runs as a test.
 #[cfg(doctest)]

@@ -16,7 +16,8 @@ use shrouds::network::Network;
 use shrouds::optimize::optimize;
 use shrouds::surface::Surface;
 use shrouds::volume::{Border, FaceRule, phantom};
-use shrouds::{Error, Occupancy, Select, TriMesh};
+use shrouds::voxelize::Rule;
+use shrouds::{Error, Occupancy, Select, TriMesh, voxelize};
 
 use presets::presets;
 
@@ -75,6 +76,7 @@ fn stages(criterion: &mut Criterion) {
     for case in cases() {
         before_the_optimum(criterion, &case);
         from_the_network_on(criterion, &case);
+        back_to_voxels(criterion, &case);
     }
 }
 
@@ -120,6 +122,27 @@ fn from_the_network_on(criterion: &mut Criterion, case: &Case) {
         group.throughput(vertices.clone()).bench_function(format!("{word}/{name}"), |bencher| {
             let fitted = Triangles::Fitted;
             bencher.iter(|| TriMesh::place(surface, network, black_box(&delta), kind, fitted));
+        });
+    }
+    group.finish();
+}
+
+/// The mesh becomes the volume again, whole and with one of a hundred triangles missing; the throughput
+/// is that of triangles.
+fn back_to_voxels(criterion: &mut Criterion, case: &Case) {
+    let Case { name, volume, surface, .. } = case;
+    let whole = TriMesh::midpoint(surface);
+    let mut broken = whole.clone();
+    let mut number = 0;
+    broken.triangles.retain(|_| {
+        number += 1;
+        number % 100 != 0
+    });
+    let mut group = criterion.benchmark_group("voxelize");
+    group.throughput(Throughput::Elements(whole.triangles.len() as u64));
+    for (kind, mesh) in [("closed", &whole), ("holes", &broken)] {
+        group.bench_function(format!("{kind}/{name}"), |bencher| {
+            bencher.iter(|| voxelize(black_box(mesh), volume.grid(), Rule::NonZero));
         });
     }
     group.finish();

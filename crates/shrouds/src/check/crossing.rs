@@ -1,10 +1,14 @@
 //! Where triangles meet the lines and points of the lattice, in units of the index.
 
-use crate::check::predicates::{Corners, area_vector, distance_squared, is_degenerate};
+use crate::check::predicates::{COORDINATE_LIMIT, Corners};
+use crate::check::predicates::{area_vector, distance_squared, is_degenerate};
 use crate::check::predicates::{side_of_line_shifted, side_of_plane};
 use crate::check::structure::corners;
+use crate::error::Error;
+use crate::grid::Grid;
 use crate::mesh::TriMesh;
 use crate::parallel;
+use crate::volume::Border;
 
 /// A lattice point this close to the mesh, in units of the index, touches it and has no side.
 pub(super) const TOUCH: f64 = 1e-4;
@@ -12,20 +16,62 @@ pub(super) const TOUCH: f64 = 1e-4;
 const BLOCK: usize = 1 << 13;
 
 /// A change of the winding number at a lattice point: its position, doubled, plus 1 where it rises.
-pub(super) type Change = u64;
+pub(crate) type Change = u64;
 
 /// By how much the winding number changes.
-pub(super) fn step(change: Change) -> i64 {
+pub(crate) fn step(change: Change) -> i64 {
     if change & 1 == 1 { 1 } else { -1 }
 }
 
+/// The mesh with its vertices, each once, in units of the index, and its winding as seen there.
+/// With an open border vertices that touch an outermost plane are put onto it, so that rounding
+/// leaves no gap between them and the lines in that plane.
+pub(crate) fn in_index_coordinates(
+    mesh: &TriMesh,
+    grid: &Grid,
+    border: Border,
+) -> Result<TriMesh, Error> {
+    let inverse = grid.inverse_affine();
+    let last = grid.dims().map(|n| (n - 1) as f64);
+    let mut vertices = vec![[0.0; 3]; mesh.vertices.len()];
+    parallel::fill(&mut vertices, |v| {
+        let p = mesh.vertices[v];
+        let index = inverse.map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + r[3]);
+        match border {
+            Border::Closed => index,
+            Border::Open => std::array::from_fn(|d| {
+                let plane = if 2.0 * index[d] < last[d] { 0.0 } else { last[d] };
+                if (index[d] - plane).abs() <= TOUCH { plane } else { index[d] }
+            }),
+        }
+    });
+    let unusable = |index: &[f64; 3]| !index.iter().all(|x| x.abs() <= COORDINATE_LIMIT);
+    if let Some(v) = vertices.iter().position(unusable) {
+        let index = vertices[v];
+        return Err(Error::Mesh(format!("vertex {v} lies too far from the volume, at {index:?}")));
+    }
+    let mut triangles = mesh.triangles.clone();
+    if grid.is_mirrored() {
+        triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+    }
+    Ok(TriMesh { vertices, triangles, normals: Vec::new() })
+}
+
 /// All changes of the winding number along lines of the lattice in the direction of `axis`, sorted.
-/// A change lies at the first lattice point behind its crossing; crossings behind the last point
-/// of a line change nothing.
-pub(super) fn crossings(mesh: &TriMesh, axis: usize, dims: [usize; 3]) -> Vec<Change> {
+/// A change lies at the first lattice point at or behind its crossing; crossings behind the last
+/// point of a line change nothing.
+///
+/// Each line is shifted by an infinitely small `(ε, ε²)` along the next two axes. With an open border
+/// the shift goes inwards where the line runs in the last plane, in which the mesh ends.
+pub(crate) fn crossings(
+    mesh: &TriMesh,
+    axis: usize,
+    dims: [usize; 3],
+    border: Border,
+) -> Vec<Change> {
     let blocks = parallel::blocks(mesh.triangles.len(), BLOCK, |range| {
         let mut changes = Vec::new();
-        range.for_each(|t| cross_triangle(&corners(mesh, t), axis, dims, &mut changes));
+        range.for_each(|t| cross_triangle(&corners(mesh, t), axis, dims, border, &mut changes));
         changes
     });
     let mut changes = blocks.concat();
@@ -33,12 +79,20 @@ pub(super) fn crossings(mesh: &TriMesh, axis: usize, dims: [usize; 3]) -> Vec<Ch
     changes
 }
 
-fn cross_triangle(triangle: &Corners, axis: usize, dims: [usize; 3], changes: &mut Vec<Change>) {
+fn cross_triangle(
+    triangle: &Corners,
+    axis: usize,
+    dims: [usize; 3],
+    border: Border,
+    changes: &mut Vec<Change>,
+) {
     let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
     let flat = triangle.map(|p| [p[u], p[v]]);
     let limits = [dims[u], dims[v]];
     for_points_near(flat, 0.0, limits, |line| {
-        let side = passes_through(flat, line, limits);
+        let inwards = |d: usize| border == Border::Open && line[d] > 0 && line[d] + 1 == limits[d];
+        let shift = [0, 1].map(|d| if inwards(d) { -1.0 } else { 1.0 });
+        let side = passes_through(flat, line, shift);
         if side == 0 {
             return;
         }
@@ -60,9 +114,8 @@ fn cross_triangle(triangle: &Corners, axis: usize, dims: [usize; 3], changes: &m
 }
 
 /// `+1` when the line passes through the triangle along its normal, `-1` against it, `0` when it
-/// misses. The line is shifted by (ε, ε²), each towards the inside of the box.
-fn passes_through(flat: [[f64; 2]; 3], line: [usize; 2], limits: [usize; 2]) -> i8 {
-    let shift = [0, 1].map(|d| if line[d] > 0 && line[d] + 1 == limits[d] { -1.0 } else { 1.0 });
+/// misses.
+fn passes_through(flat: [[f64; 2]; 3], line: [usize; 2], shift: [f64; 2]) -> i8 {
     let line = line.map(|x| x as f64);
     let [a, b, c] = flat;
     let side = side_of_line_shifted(a, b, line, shift);

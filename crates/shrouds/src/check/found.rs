@@ -26,13 +26,13 @@ impl<T> Found<T> {
 }
 
 impl<T: Ord> Found<T> {
-    pub(super) fn push(&mut self, item: T) {
+    pub(crate) fn push(&mut self, item: T) {
         self.count += 1;
         self.keep(item);
     }
 
     /// All findings of several blocks as one.
-    pub(super) fn gather(blocks: impl IntoIterator<Item = Self>) -> Self {
+    pub(crate) fn gather(blocks: impl IntoIterator<Item = Self>) -> Self {
         let mut all = Self::default();
         for block in blocks {
             all.count += block.count;

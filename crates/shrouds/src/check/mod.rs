@@ -7,7 +7,7 @@
 //!
 //! Uses: `grid`, `volume`, `mesh`.
 
-mod crossing;
+pub(crate) mod crossing;
 mod curve;
 mod fans;
 mod found;

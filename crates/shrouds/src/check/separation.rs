@@ -2,8 +2,8 @@
 //!
 //! The lines of the lattice are followed along an axis; each triangle a line passes through changes
 //! the winding number of the lattice points behind it by one. Signs are exact, and every line is
-//! shifted by an infinitely small step `(ε, ε²)` into the box, so that a line through a vertex or
-//! along an edge counts it once; this matters because the vertices of a separating surface lie *on*
+//! shifted by an infinitely small step `(ε, ε²)`, so that a line through a vertex or along an edge
+//! counts it once; this matters because the vertices of a separating surface lie *on*
 //! lattice lines. The winding number must be 1 at inside points and 0 at outside points.
 //!
 //! A volume changes sides between two neighbouring lattice points exactly where the mesh must be
@@ -14,11 +14,9 @@
 //! surface ends at the outermost lattice planes and the first point of each line is taken to be
 //! right, so all three axes are needed to tie the lines together.
 
-use crate::check::crossing::{Change, TOUCH, crossings, step, touching_points};
+use crate::check::crossing::{Change, crossings, in_index_coordinates, step, touching_points};
 use crate::check::found::Found;
-use crate::check::predicates::COORDINATE_LIMIT;
 use crate::error::Error;
-use crate::grid::Grid;
 use crate::mesh::TriMesh;
 use crate::parallel;
 use crate::volume::Border;
@@ -100,36 +98,6 @@ fn index_of(position: usize, [nx, ny, _]: [usize; 3]) -> [usize; 3] {
     [position % nx, position / nx % ny, position / nx / ny]
 }
 
-/// The mesh with its vertices, each once, in units of the index, and its winding as seen there.
-/// With an open border vertices that touch an outermost plane are put onto it, so that rounding
-/// leaves no gap between them and the lines in that plane.
-fn in_index_coordinates(mesh: &TriMesh, grid: &Grid, border: Border) -> Result<TriMesh, Error> {
-    let inverse = grid.inverse_affine();
-    let last = grid.dims().map(|n| (n - 1) as f64);
-    let mut vertices = vec![[0.0; 3]; mesh.vertices.len()];
-    parallel::fill(&mut vertices, |v| {
-        let p = mesh.vertices[v];
-        let index = inverse.map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + r[3]);
-        match border {
-            Border::Closed => index,
-            Border::Open => std::array::from_fn(|d| {
-                let plane = if 2.0 * index[d] < last[d] { 0.0 } else { last[d] };
-                if (index[d] - plane).abs() <= TOUCH { plane } else { index[d] }
-            }),
-        }
-    });
-    let unusable = |index: &[f64; 3]| !index.iter().all(|x| x.abs() <= COORDINATE_LIMIT);
-    if let Some(v) = vertices.iter().position(unusable) {
-        let index = vertices[v];
-        return Err(Error::Mesh(format!("vertex {v} lies too far from the volume, at {index:?}")));
-    }
-    let mut triangles = mesh.triangles.clone();
-    if grid.is_mirrored() {
-        triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
-    }
-    Ok(TriMesh { vertices, triangles, normals: Vec::new() })
-}
-
 /// The lines of the lattice along one axis and where the mesh crosses them.
 struct Lines<'a> {
     volume: &'a Occupancy,
@@ -141,7 +109,7 @@ struct Lines<'a> {
 
 impl<'a> Lines<'a> {
     fn new(mesh: &TriMesh, volume: &'a Occupancy, border: Border, axis: usize) -> Self {
-        let changes = crossings(mesh, axis, volume.grid().dims());
+        let changes = crossings(mesh, axis, volume.grid().dims(), border);
         Self { volume, border, axis, changes }
     }
 

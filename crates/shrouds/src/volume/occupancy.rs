@@ -61,7 +61,7 @@ impl Occupancy {
     }
 
     /// The volume whose row `(j, k)` has the bits that `fill` puts into its words, which are 0.
-    fn from_rows(grid: Grid, fill: impl Fn(usize, usize, &mut [u64]) + Sync) -> Self {
+    pub(crate) fn from_rows(grid: Grid, fill: impl Fn(usize, usize, &mut [u64]) + Sync) -> Self {
         let mut volume = Self::empty(grid);
         let [_, ny, nz] = volume.grid.dims();
         let slice = ny * volume.words_per_row;
@@ -71,6 +71,17 @@ impl Occupancy {
             }
         });
         volume
+    }
+
+    /// Refuses a grid whose bits no memory can hold, before anything of their size is asked for.
+    pub(crate) fn check_memory(grid: &Grid) -> Result<(), Error> {
+        let dims @ [nx, ny, nz] = grid.dims();
+        let words = nx.div_ceil(64) as u128 * ny as u128 * nz as u128;
+        let fits = |words| Vec::<u64>::new().try_reserve_exact(words).is_ok();
+        match usize::try_from(words) {
+            Ok(words) if fits(words) => Ok(()),
+            _ => Err(Error::Memory { dims, gigabytes: words as f64 * 8e-9 }),
+        }
     }
 
     /// The volume with these words.
