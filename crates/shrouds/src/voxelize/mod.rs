@@ -42,8 +42,10 @@ pub use fit::{Fit, grid_for};
 pub use report::{Method, VoxelizeReport};
 pub use rule::Rule;
 
+use std::ops::Range;
+
+use crate::check;
 use crate::check::crossing::in_index_coordinates;
-use crate::check::structure;
 use crate::error::Error;
 use crate::grid::Grid;
 use crate::mesh::TriMesh;
@@ -90,34 +92,45 @@ pub struct Voxelized {
 /// points cannot be had. Everything else is a finding.
 pub fn voxelize(mesh: &TriMesh, grid: &Grid, rule: Rule) -> Result<Voxelized, Error> {
     Occupancy::check_memory(grid)?;
-    let mut structure = structure(mesh)?;
+    let structure = check::structure(mesh)?;
     let mut body = in_index_coordinates(mesh, grid, Border::Closed)?;
     let mut report = VoxelizeReport::default();
-    let mut first_cap = body.triangles.len();
-    if !structure.is_closed() {
-        if order::weld(&mut body) {
-            structure = crate::check::structure(&body)?;
-        }
-        report.repeated_triangles = order::drop_repeated(&mut body);
-        let mut edges = edges::edges(&body);
-        if !structure.inconsistent_edges.is_empty() {
-            report.turned_triangles = order::turn(&mut body, &mut edges);
-        }
-        first_cap = body.triangles.len();
-        caps::close(&mut body, &edges)?;
-    }
-    let is_whole = first_cap == body.triangles.len();
-    report.method = if is_whole { Method::Exact } else { Method::Generalized };
-    report.boundary_edges = structure.boundary_edges;
-    report.non_manifold_edges = structure.non_manifold_edges;
-    report.inconsistent_edges = structure.inconsistent_edges;
+    let caps = match structure.is_closed() {
+        true => body.triangles.len()..body.triangles.len(),
+        false => close(&mut body, structure, &mut report)?,
+    };
     report.enclosed_volume = body.volume() * grid.voxel_volume();
     report.inside_out = report.enclosed_volume < 0.0;
     let sides = Sides { rule, inside_out: report.inside_out };
     let lines = Lines::new(&body, grid);
     let mut volume = lines.fill(grid, sides);
-    if !is_whole {
-        report.doubtful = near::decide(&body, first_cap, &lines, sides, &mut volume);
+    if !caps.is_empty() {
+        report.method = Method::Generalized;
+        report.doubtful = near::decide(&body, caps, &lines, sides, &mut volume);
     }
     Ok(Voxelized { volume, report })
+}
+
+/// Puts a mesh in units of the index in order and closes it with caps, if it needs any; returns which
+/// triangles they are.
+fn close(
+    body: &mut TriMesh,
+    mut structure: check::Structure,
+    report: &mut VoxelizeReport,
+) -> Result<Range<usize>, Error> {
+    report.joined_vertices = order::weld(body);
+    if report.joined_vertices > 0 {
+        structure = check::structure(body)?;
+    }
+    report.repeated_triangles = order::drop_repeated(body);
+    let mut edges = edges::edges(body);
+    if !structure.inconsistent_edges.is_empty() {
+        report.turned_triangles = order::turn(body, &mut edges);
+    }
+    report.boundary_edges = structure.boundary_edges;
+    report.non_manifold_edges = structure.non_manifold_edges;
+    report.inconsistent_edges = structure.inconsistent_edges;
+    let first = body.triangles.len();
+    caps::close(body, &edges)?;
+    Ok(first..body.triangles.len())
 }

@@ -1,5 +1,7 @@
 //! The lattice points near holes, where caps say too little.
 
+use std::ops::Range;
+
 use crate::check::Found;
 use crate::mesh::TriMesh;
 use crate::parallel;
@@ -13,16 +15,16 @@ const SLICES: usize = 8;
 /// Below this, what caps add changes no rounded winding number and raises no doubt.
 const HARMLESS: f64 = 0.39;
 
-/// Decides all points near the caps, which are the triangles of `body` from `first_cap` on, by the
-/// generalized winding number; returns the doubtful ones.
+/// Decides all points near the caps, which are some triangles of `body`, by the generalized winding
+/// number; returns the doubtful ones.
 pub(super) fn decide(
     body: &TriMesh,
-    first_cap: usize,
+    caps: Range<usize>,
     lines: &Lines,
     sides: Sides,
     volume: &mut Occupancy,
 ) -> Found<[usize; 3]> {
-    let caps = Tree::new(body.triangles[first_cap..].iter().map(|&t| body.corners(t)).collect());
+    let caps = Tree::new(body.triangles[caps].iter().map(|&t| body.corners(t)).collect());
     let [nx, ny, nz] = volume.grid().dims();
     let found = parallel::blocks(nz, SLICES, |slices| {
         let (mut changed, mut doubtful) = (Vec::new(), Found::default());

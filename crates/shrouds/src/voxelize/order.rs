@@ -5,23 +5,25 @@ use crate::mesh::TriMesh;
 use crate::vector::{cross, length, subtract};
 use crate::voxelize::edges::{Edge, by_edge};
 
-/// Lets triangles name the first of several vertices at the same place; whether any changed.
-pub(super) fn weld(mesh: &mut TriMesh) -> bool {
+/// Lets triangles name the first of several vertices at the same place; how many others there are.
+pub(super) fn weld(mesh: &mut TriMesh) -> u64 {
     let vertices = &mesh.vertices;
     // Zeros of both signs are one place.
     let key = |v: u32| vertices[v as usize].map(|x| (x + 0.0).to_bits());
-    let mut order: Vec<u32> = (0..vertices.len() as u32).collect();
+    let mut order = mesh.triangles.concat();
+    order.sort_unstable();
+    order.dedup();
     order.sort_unstable_by_key(|&v| (key(v), v));
-    let mut first: Vec<u32> = vec![0; vertices.len()];
+    let mut first = vec![0; vertices.len()];
+    let mut others = 0;
     for same in order.chunk_by(|&a, &b| key(a) == key(b)) {
         same.iter().for_each(|&v| first[v as usize] = same[0]);
+        others += same.len() as u64 - 1;
     }
-    let mut any = false;
-    for corner in mesh.triangles.iter_mut().flatten() {
-        any |= first[*corner as usize] != *corner;
-        *corner = first[*corner as usize];
+    if others > 0 {
+        mesh.triangles.iter_mut().flatten().for_each(|corner| *corner = first[*corner as usize]);
     }
-    any
+    others
 }
 
 /// Drops all but the first of triangles with the same corners and orientation; how many.

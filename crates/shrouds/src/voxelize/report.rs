@@ -26,6 +26,8 @@ pub struct VoxelizeReport {
     pub non_manifold_edges: Found<[u32; 2]>,
     /// Edges whose two triangles face opposite sides.
     pub inconsistent_edges: Found<[u32; 2]>,
+    /// Vertices that lie exactly where others do and were taken to be those.
+    pub joined_vertices: u64,
     /// Triangles that others repeat with the same corners and orientation; each was counted once.
     pub repeated_triangles: u64,
     /// Triangles that were turned because most of what they hang together with faces the other side.
@@ -61,6 +63,10 @@ impl VoxelizeReport {
                 let count = found.count;
                 notes.push(format!("{count} {what}; first: between vertices {a} and {b}"));
             }
+        }
+        if self.joined_vertices > 0 {
+            let count = self.joined_vertices;
+            notes.push(format!("{count} vertices lie where others do and were joined with them"));
         }
         if self.repeated_triangles > 0 {
             notes.push(format!("{} triangles repeat others", self.repeated_triangles));

@@ -28,10 +28,10 @@ fn compared(
         let shift = grid.vector([1e-6, 1e-8, 1e-10]);
         let winding = generalized_winding(mesh, [0, 1, 2].map(|d| point[d] + shift[d])).abs();
         let inside = found.volume.get(index);
-        assert!(inside == (winding > 0.5) || (winding - 0.5).abs() < 5e-3, "{index:?} {winding}");
+        assert!(inside == (winding > 0.5) || (winding - 0.5).abs() < 1e-2, "{index:?} {winding}");
         let near = (winding - 0.5).abs();
-        doubtful[0] += u64::from(near < 0.095);
-        doubtful[1] += u64::from(near < 0.105);
+        doubtful[0] += u64::from(near < 0.09);
+        doubtful[1] += u64::from(near < 0.11);
     }
     let count = found.report.doubtful.count;
     assert!(doubtful[0] <= count, "{count} {doubtful:?}");
@@ -171,6 +171,7 @@ fn repeated_triangles_count_once() {
     let found = voxelize(&mesh, volume.grid(), Rule::Odd).unwrap();
     assert_eq!(found.volume, volume);
     assert_eq!(found.report.repeated_triangles, again.len() as u64);
+    assert_eq!(found.report.joined_vertices, 0);
     assert!(found.report.non_manifold_edges.count > 0);
     assert_eq!(found.report.method, Method::Exact);
 }

@@ -43,7 +43,7 @@ pub(crate) fn sphere(centre: Point, radius: f64, n: u32) -> TriMesh {
                 p[d] = if n >> d & 1 == 0 { 1.0 } else { -1.0 };
                 p
             };
-            let order = if (n as u32).count_ones() % 2 == 0 { [0, 1, 2] } else { [0, 2, 1] };
+            let order = if (n as u32).count_ones() & 1 == 0 { [0, 1, 2] } else { [0, 2, 1] };
             order.map(axis)
         })
         .collect();
