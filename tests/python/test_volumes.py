@@ -134,17 +134,16 @@ def test_voxels_of_a_mesh(shrouds, tmp_path):
 @pytest.mark.skipif(not BUNNY.exists(), reason="run `cargo xtask data` to fetch the bunny")
 def test_the_bunny_and_the_letters(shrouds, tmp_path):
     """Three commands: the paper's Figure 4."""
-    bunny, letters, both = (tmp_path / name for name in ("bunny.nrrd", "asu", "both.nrrd"))
-    report = json.loads(shrouds("voxelize", BUNNY, "--size", 60, "-o", bunny, "--json"))
-    shrouds("demo", "letters:ASU", "--size", 60, "--output", letters, "--quiet")
-    whole, header = nrrd.read(str(bunny))
-    volume = np.load(letters / "volume.npy").transpose(2, 1, 0)
-    assert max(whole.shape) == 60 and volume.shape == (60, 60, 60)
-    part = volume[tuple(slice(0, n) for n in whole.shape)]
-    nrrd.write(str(tmp_path / "asu.nrrd"), part, {k: header[k] for k in header if "space" in k})
-    shrouds("combine", "intersect", bunny, tmp_path / "asu.nrrd", "-o", both)
-    assert np.array_equal(nrrd.read(str(both))[0] != 0, (whole != 0) & (part != 0))
+    folder, bunny, both = (tmp_path / name for name in ("asu", "bunny.npy", "both.npy"))
+    shrouds("demo", "letters:ASU", "--size", 60, "--output", folder, "--quiet")
+    letters = folder / "volume.npy"
+    call = ["voxelize", BUNNY, "--like", letters, "--fit", "-o", bunny, "--json"]
+    report = json.loads(shrouds(*call))
+    assert report["closed"]
+    assert report["voxel_volume"] == pytest.approx(report["enclosed_volume"], rel=0.002)
+    shrouds("combine", "intersect", bunny, letters, "-o", both)
+    expected = (np.load(bunny) != 0) & (np.load(letters) != 0)
+    assert expected.shape == (60, 60, 60) and np.array_equal(np.load(both) != 0, expected)
     shrouds("mesh", both, "-o", tmp_path / "both.ply", "--quiet")
     mesh = trimesh.load(tmp_path / "both.ply", process=False)
     assert mesh.is_watertight and mesh.is_winding_consistent
-    assert report["voxel_volume"] == pytest.approx(report["enclosed_volume"], rel=0.002)

@@ -44,7 +44,11 @@ face opposite sides, is judged by its winding number, with a warning.
 
 Example, a scan as a volume of at most 256 voxels a side, and on the lattice of another volume:
   shrouds voxelize bunny.ply --size 256 -o bunny.nrrd
-  shrouds voxelize implant.stl --like head.nii.gz -o implant.nii.gz";
+  shrouds voxelize implant.stl --like head.nii.gz -o implant.nii.gz
+
+The rabbit of the letters, filling their lattice:
+  shrouds voxelize bunny.ply --like letters.npy --fit -o rabbit.npy
+  shrouds combine intersect rabbit.npy letters.npy -o both.npy";
 
 /// A volume in, a volume out.
 #[derive(Args)]
@@ -168,7 +172,10 @@ pub(crate) struct VoxelizeArgs {
     /// Take the lattice of this volume
     #[arg(long, value_name = "VOLUME")]
     pub(crate) like: Option<PathBuf>,
-    /// Voxels more on every side than the mesh needs; not with --like
+    /// Scale and move the mesh so that it fills the lattice of --like
+    #[arg(long, requires = "like")]
+    pub(crate) fit: bool,
+    /// Voxels more on every side than the mesh needs; with --like only for --fit
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) margin: u32,
     /// Which winding numbers are inside

@@ -120,7 +120,9 @@ fn close(
 ) -> Result<Range<usize>, Error> {
     report.joined_vertices = order::weld(body);
     if report.joined_vertices > 0 {
+        let open = structure.boundary_edges.count;
         structure = check::structure(body)?;
+        report.joined_edges = open.saturating_sub(structure.boundary_edges.count);
     }
     report.repeated_triangles = order::drop_repeated(body);
     let mut edges = edges::edges(body);

@@ -28,6 +28,8 @@ pub struct VoxelizeReport {
     pub inconsistent_edges: Found<[u32; 2]>,
     /// Vertices that lie exactly where others do and were taken to be those.
     pub joined_vertices: u64,
+    /// Edges with one triangle that are none any more since those vertices were joined.
+    pub joined_edges: u64,
     /// Triangles that others repeat with the same corners and orientation; each was counted once.
     pub repeated_triangles: u64,
     /// Triangles that were turned because most of what they hang together with faces the other side.
@@ -65,8 +67,11 @@ impl VoxelizeReport {
             }
         }
         if self.joined_vertices > 0 {
-            let count = self.joined_vertices;
-            notes.push(format!("{count} vertices lie where others do and were joined with them"));
+            let (vertices, edges) = (self.joined_vertices, self.joined_edges);
+            notes.push(format!(
+                "{vertices} vertices lie where others do and were joined with them, which closed \
+                 {edges} edges with one triangle"
+            ));
         }
         if self.repeated_triangles > 0 {
             notes.push(format!("{} triangles repeat others", self.repeated_triangles));
