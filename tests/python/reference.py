@@ -156,6 +156,8 @@ def pixel_spacing(page, tag):
 
 def npy(path):
     values = np.load(path)
+    if values.ndim > 3 and values.shape[-1] == 1:
+        values = values[..., 0]  # a channel
     if values.ndim != 3:
         raise NoVolume(f"an array of shape {values.shape}")
     return [Layer(values.T, np.eye(4))]

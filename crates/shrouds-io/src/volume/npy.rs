@@ -21,6 +21,7 @@ pub(super) struct Header {
     element: Element,
     endian: Endian,
     fortran_order: bool,
+    /// Without a batch or channel axis of length 1 beyond three axes.
     pub(super) shape: Vec<usize>,
 }
 
@@ -110,7 +111,12 @@ fn parse_header(path: &Path, text: &str) -> Result<Header, Error> {
         _ if order.starts_with("False") => false,
         _ => return Err(Error::header(path, "fortran_order is neither True nor False")),
     };
-    let shape = parse_shape(path, entry("shape")?)?;
+    let mut shape = parse_shape(path, entry("shape")?)?;
+    while shape.len() > 3 && shape.last() == Some(&1) {
+        shape.pop();
+    }
+    let surplus = shape.iter().take(shape.len().saturating_sub(3)).take_while(|n| **n == 1).count();
+    shape.drain(..surplus);
     Ok(Header { element, endian, fortran_order, shape })
 }
 

@@ -55,6 +55,20 @@ fn npy_orders_and_axes_agree_on_where_a_value_lies() {
 }
 
 #[test]
+fn npy_axes_of_length_one_beyond_three_do_not_count() {
+    let folder = Folder::new();
+    let data: Vec<u8> = (0..6).collect();
+    let read = |shape| folder.volume("a.npy", &npy("'|u1'", false, shape, &data));
+    for shape in ["(1, 2, 3, 1)", "(1, 1, 2, 3)", "(1, 1, 1, 2, 3, 1)"] {
+        assert_eq!(read(shape).unwrap(), read("(1, 2, 3)").unwrap(), "{shape}");
+    }
+    assert_eq!(read("(2, 3, 1, 1)").unwrap(), read("(2, 3, 1)").unwrap());
+    for shape in ["(1, 6)", "(2, 1, 1, 3)"] {
+        assert!(read(shape).unwrap_err().to_string().contains("three dimensions"), "{shape}");
+    }
+}
+
+#[test]
 fn npy_versions_two_and_three_have_long_headers() {
     let folder = Folder::new();
     let header = b"{'shape':(1,1,2),'fortran_order':False,'descr':'|u1'}\n";
