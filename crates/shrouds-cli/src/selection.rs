@@ -38,7 +38,7 @@ impl Selection {
         }
         let mut chosen = Vec::new();
         for text in &args.labels {
-            let found = find(text, layer, &contents.segments);
+            let found = find(text, layer, contents);
             chosen.push(found.map_err(|problem| {
                 let message = format!("{}: {problem}", path.display());
                 // Without names no text but a number can be meant.
@@ -69,9 +69,10 @@ impl Selection {
 fn find(
     text: &str,
     layer: Option<usize>,
-    segments: &[Segment],
+    contents: &Contents,
 ) -> Result<(Option<usize>, i128), String> {
-    let there = |segment: &&Segment| layer.is_none_or(|layer| layer == segment.layer);
+    let (segments, in_layers) = (&contents.segments, contents.has_layers_of_segments());
+    let there = |segment: &&Segment| !in_layers || layer.is_none_or(|layer| layer == segment.layer);
     let of = |is: &dyn Fn(&Segment) -> bool| -> Vec<&Segment> {
         segments.iter().filter(there).filter(|segment| is(segment)).collect()
     };
@@ -101,7 +102,7 @@ fn find(
         }
     }
     match found[..] {
-        [one] => Ok((Some(one.layer), one.label)),
+        [one] => Ok((if in_layers { Some(one.layer) } else { layer }, one.label)),
         _ => {
             let describe =
                 |s: &&Segment| format!("{} (label {} of frame {})", s.name, s.label, s.layer);
@@ -133,10 +134,10 @@ pub(crate) fn list(items: impl IntoIterator<Item = String>) -> String {
 mod tests {
     use super::*;
 
-    fn segments() -> Vec<Segment> {
-        [("Liver", 1, 0), ("liver left", 2, 0), ("Tumour", 1, 1), ("7", 3, 1)]
-            .map(|(name, label, layer)| Segment { name: name.into(), label, layer })
-            .to_vec()
+    fn segments() -> Contents {
+        let segments = [("Liver", 1, 0), ("liver left", 2, 0), ("Tumour", 1, 1), ("7", 3, 1)]
+            .map(|(name, label, layer)| Segment { name: name.into(), label, layer });
+        Contents { layers: 2, segments: segments.to_vec(), ..Contents::default() }
     }
 
     #[test]
@@ -150,8 +151,20 @@ mod tests {
         assert!(found("1").unwrap_err().contains("Liver (label 1 of frame 0), Tumour"));
         assert_eq!(find("1", Some(1), &segments()), Ok((Some(1), 1)));
         assert!(found("spleen").unwrap_err().contains("Liver, liver left, Tumour, 7"));
-        assert_eq!(find("-4", Some(2), &[]), Ok((Some(2), -4)));
-        assert!(find("liver", None, &[]).unwrap_err().contains("names no segments"));
+        let nameless = Contents::default();
+        assert_eq!(find("-4", Some(2), &nameless), Ok((Some(2), -4)));
+        assert!(find("liver", None, &nameless).unwrap_err().contains("names no segments"));
+    }
+
+    #[test]
+    fn names_hold_in_every_frame_of_a_series() {
+        let series = Contents {
+            segments: segments().segments[..2].to_vec(),
+            layers: 3,
+            ..Contents::default()
+        };
+        assert_eq!(find("Liver", Some(2), &series), Ok((Some(2), 1)));
+        assert_eq!(find("Liver", None, &series), Ok((None, 1)), "no frame is chosen silently");
     }
 
     #[test]

@@ -101,8 +101,8 @@ impl VolumeInfo {
         let selection = Selection::new(path, args, &contents)?;
         let layers = match args.layer() {
             Some(layer) => layer..layer + 1,
-            None if contents.segments.is_empty() => 0..1,
-            None => 0..contents.layers,
+            None if contents.has_layers_of_segments() => 0..contents.layers,
+            None => 0..1,
         };
         let mut info: Option<Self> = None;
         let mut chosen = Chosen::default();
@@ -260,8 +260,7 @@ impl Chosen {
 /// The labels of a layer with their names; segments without a voxel at the end.
 fn labels(values: &Values, layer: usize, contents: &Contents) -> Option<Vec<Label>> {
     let frame = (contents.layers > 1).then_some(layer);
-    let mut segments: Vec<_> =
-        contents.segments.iter().filter(|segment| segment.layer == layer).collect();
+    let mut segments: Vec<_> = contents.segments_of(layer).collect();
     let mut labels = Vec::new();
     for (label, voxels) in values.labels()? {
         let named = segments.iter().position(|segment| segment.label == label);

@@ -23,6 +23,19 @@ impl Default for Contents {
     }
 }
 
+impl Contents {
+    /// Whether the layers are those of segments that overlap, and not the frames of a series or channels.
+    pub fn has_layers_of_segments(&self) -> bool {
+        self.segments.iter().any(|segment| segment.layer > 0)
+    }
+
+    /// The segments that have voxels in a layer: of a series, all in each frame.
+    pub fn segments_of(&self, layer: usize) -> impl Iterator<Item = &Segment> {
+        let in_layers = self.has_layers_of_segments();
+        self.segments.iter().filter(move |segment| !in_layers || segment.layer == layer)
+    }
+}
+
 /// A named part of a segmentation.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Segment {

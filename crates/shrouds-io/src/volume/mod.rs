@@ -234,7 +234,7 @@ pub fn read_occupancy(
         return fill(path, first, select);
     }
     // Segments of a series lie in its first layer, or in none.
-    if first.contents.segments.iter().all(|segment| segment.layer == 0) {
+    if !first.contents.has_layers_of_segments() {
         return Err(no_layer(path, &first.contents));
     }
     let mut all = fill(path, first, select)?;

@@ -184,7 +184,7 @@ fn has_layered_segments(path: &Path, options: &VolumeOptions) -> bool {
     // Which array is meant may be open even before the contents are.
     options.layer.is_none()
         && read_contents(path, options)
-            .is_ok_and(|(_, _, contents)| contents.layers > 1 && !contents.segments.is_empty())
+            .is_ok_and(|(_, _, contents)| contents.has_layers_of_segments())
 }
 
 /// A folder that goes away, and the files in it.

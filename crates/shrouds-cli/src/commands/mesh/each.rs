@@ -69,8 +69,8 @@ pub(super) fn run(
     let mut run = Run { args, job, extras, console, progress: &progress, done: Vec::new() };
     let layers = match args.volume.layer() {
         Some(layer) => vec![Some(layer)],
-        None if contents.segments.is_empty() => vec![None],
-        None => (0..contents.layers).map(Some).collect(),
+        None if contents.has_layers_of_segments() => (0..contents.layers).map(Some).collect(),
+        None => vec![None],
     };
     for layer in layers {
         let volume = input::volume(&args.input, &args.volume, layer, &progress)?;
@@ -173,7 +173,7 @@ impl Run<'_> {
         let count = labels.len();
         for (n, (label, _)) in labels.into_iter().filter(|(label, _)| *label != 0).enumerate() {
             self.progress.part(&format!("label {label}, {} of {count}", n + 1));
-            let segment = contents.segments.iter().find(|s| (s.label, s.layer) == (label, layer));
+            let segment = contents.segments_of(layer).find(|segment| segment.label == label);
             let name = segment.map_or(String::new(), |segment| segment.name.clone());
             let label = Label { label, name, layer };
             let occupancy = input::occupancy(path, volume, &Select::Labels(vec![label.label]))?;
