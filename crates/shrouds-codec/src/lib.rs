@@ -1,0 +1,7 @@
+//! The compressed `.shroud` file.
+
+pub mod coder;
+pub mod counter;
+pub mod logistic;
+pub mod mixer;
+pub mod network;
