@@ -18,6 +18,21 @@ pub trait Coder {
             bits << 1 | u64::from(self.code(value >> place & 1 == 1, 1 << 15))
         })
     }
+
+    /// Codes a number below `end`, all of them equally likely. The numbers are at most 2¹⁶.
+    fn code_below(&mut self, value: u32, end: u32) -> u32 {
+        let (mut low, mut high) = (0, end);
+        while high - low > 1 {
+            let middle = low.midpoint(high);
+            let probability = ((high - middle) * 65536 / (high - low)) as u16;
+            if self.code(value >= middle, probability) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        low
+    }
 }
 
 /// The two ends of the interval, both of them part of it.

@@ -5,3 +5,4 @@ pub mod counter;
 pub mod logistic;
 pub mod mixer;
 pub mod network;
+pub mod topology;
