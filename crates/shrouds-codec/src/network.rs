@@ -65,6 +65,15 @@ impl<const COUNT: usize> Inputs<COUNT> for [i32; COUNT] {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Bits<const WORDS: usize>(pub [u64; WORDS]);
 
+impl Bits<3> {
+    /// The bits of some bytes, one byte after another.
+    #[inline]
+    pub fn of_bytes(bytes: &[u8; 24]) -> Self {
+        let (words, _) = bytes.as_chunks::<8>();
+        Self(std::array::from_fn(|w| u64::from_le_bytes(words[w])))
+    }
+}
+
 impl<const WORDS: usize, const COUNT: usize> Inputs<COUNT> for Bits<WORDS> {
     #[inline]
     fn weigh<const HIDDEN: usize>(
@@ -120,8 +129,8 @@ pub struct Network<const INPUTS: usize, const HIDDEN: usize> {
     output_bias: i32,
     /// What came out of the hidden units last.
     hidden: [i32; HIDDEN],
-    /// Mean squares of the gradients of `bias` and `output`, in units of 2⁻³², and the steps per
-    /// gradient that follow from them.
+    /// Mean squares of the gradients of `bias` and `output`, in units of 2⁻⁴⁸, and the steps per
+    /// gradient that follow from them, in units of 2⁻³².
     squares: [[u64; HIDDEN]; 2],
     paces: [[i64; HIDDEN]; 2],
     rate: u32,
@@ -129,9 +138,11 @@ pub struct Network<const INPUTS: usize, const HIDDEN: usize> {
 }
 
 /// Errors below this, in units of 1/65536, teach nothing worth the time.
-const LEAST_ERROR: u32 = 262;
-/// Added to the root mean square of a gradient before anything is divided by it.
-const FLOOR: u64 = 1311;
+const LEAST_ERROR: u32 = 100;
+/// Added to the root mean square of a gradient, in units of 2⁻²⁴, before anything is divided by it.
+const FLOOR: u64 = 1311 << 8;
+/// Gradients are cut off at 16, in units of 2⁻²⁴: what follows from them fits into 64 bits.
+const STEEPEST: i64 = 1 << 28;
 /// Updates between two looks at the paces.
 const PACE_EVERY: u32 = 16;
 
@@ -140,7 +151,8 @@ impl<const INPUTS: usize, const HIDDEN: usize> Network<INPUTS, HIDDEN> {
     pub const PARAMETERS: usize = (INPUTS + 2) * HIDDEN + 1;
 
     /// A network of random weights, always the same for a seed. Weights of the first layer lie within
-    /// ±`spread`, in units of 1/65536. `rate` is how fast it learns, in the same units.
+    /// ±`spread`, in units of 1/65536. `rate` is how fast it learns, in the
+    /// same units, below 1.
     pub fn random(seed: u64, spread: u32, rate: u32) -> Self {
         let mut state = seed;
         let mut next = |spread: u32| {
@@ -200,7 +212,7 @@ impl<const INPUTS: usize, const HIDDEN: usize> Network<INPUTS, HIDDEN> {
         }
     }
 
-    /// Changes how fast it learns.
+    /// Changes how fast it learns, in units of 1/65536, below 65536.
     pub fn set_rate(&mut self, rate: u32) {
         self.rate = rate;
     }
@@ -211,8 +223,11 @@ impl<const INPUTS: usize, const HIDDEN: usize> Network<INPUTS, HIDDEN> {
         let sums = inputs.weigh(&self.weights, &self.bias);
         self.hidden = sums.map(|sum| if sum > 0 { sum } else { sum >> 3 });
         let products = self.hidden.iter().zip(&self.output);
-        let sum: i64 = products.map(|(&h, &w)| i64::from(h) * i64::from(w)).sum();
-        ((sum + (i64::from(self.output_bias) << 16)) >> 24).clamp(-4000, 4000) as i32
+        let bias = i64::from(self.output_bias) << 16;
+        let sum = products.fold(bias, |sum, (&h, &w)| {
+            sum.wrapping_add(i64::from(h).wrapping_mul(i64::from(w)))
+        });
+        (sum >> 24).clamp(-4000, 4000) as i32
     }
 
     /// Learns that for the inputs of the last [`Network::logit`], a bit came to which `probability`, in
@@ -227,10 +242,11 @@ impl<const INPUTS: usize, const HIDDEN: usize> Network<INPUTS, HIDDEN> {
         let gradients: [[i64; HIDDEN]; 2] = [
             std::array::from_fn(|j| {
                 let leak = if self.hidden[j] > 0 { 0 } else { 3 };
-                (error * i64::from(self.output[j])) >> (16 + leak)
+                (error * i64::from(self.output[j])) >> (8 + leak)
             }),
-            std::array::from_fn(|j| (error * i64::from(self.hidden[j])) >> 16),
-        ];
+            std::array::from_fn(|j| (error * i64::from(self.hidden[j])) >> 8),
+        ]
+        .map(|gradients: [i64; HIDDEN]| gradients.map(|g| g.clamp(-STEEPEST, STEEPEST)));
         for (squares, gradients) in self.squares.iter_mut().zip(&gradients) {
             for (square, &gradient) in squares.iter_mut().zip(gradients) {
                 *square = *square - (*square >> 10) + (gradient.unsigned_abs().pow(2) >> 10);
@@ -240,20 +256,22 @@ impl<const INPUTS: usize, const HIDDEN: usize> Network<INPUTS, HIDDEN> {
             self.find_paces();
         }
         self.updates = self.updates.wrapping_add(1);
-        let step = |gradient: i64, pace: i64| ((gradient * pace + (1 << 15)) >> 16) as i32;
+        // Rounded up as often as what is cut off says: many small steps weigh as much as a large one.
+        let cut = i64::from(self.updates.wrapping_mul(0x9e37_79b1) >> 8);
+        let step = |gradient: i64, pace: i64| ((gradient * pace + cut) >> 24) as i32;
         let steps = std::array::from_fn(|j| step(gradients[0][j], self.paces[0][j]));
         for (j, weight) in self.output.iter_mut().enumerate() {
             *weight = weight.wrapping_sub(step(gradients[1][j], self.paces[1][j]));
         }
         inputs.descend(&mut self.weights, &mut self.bias, &steps);
-        let change = step(error, i64::from(self.rate) / 10);
+        let change = step(error, (i64::from(self.rate) << 8) / 10);
         self.output_bias = self.output_bias.wrapping_sub(change);
     }
 
     /// Steps are a tenth of the rate for weights of the first layer, and three tenths for those of the
     /// output, at a gradient of the usual size.
     fn find_paces(&mut self) {
-        let rate = u64::from(self.rate) << 16;
+        let rate = u64::from(self.rate) << 24;
         for ((paces, squares), share) in self.paces.iter_mut().zip(&self.squares).zip([1, 3]) {
             for (pace, square) in paces.iter_mut().zip(squares) {
                 *pace = (share * rate / (10 * (square.isqrt() + FLOOR))) as i64;

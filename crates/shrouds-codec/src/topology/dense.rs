@@ -9,8 +9,8 @@ use crate::topology::contexts::{CONTEXTS, Contexts, SIZE_BITS};
 use crate::topology::window::{Model, ROWS, Window};
 
 /// Voxels that the network looks at, and its hidden units.
-const INPUTS: usize = 192;
-const HIDDEN: usize = 16;
+pub const INPUTS: usize = 192;
+pub const HIDDEN: usize = 16;
 /// The tables, the network, and a constant.
 const OPINIONS: usize = CONTEXTS + 2;
 
@@ -66,8 +66,7 @@ impl Model for Dense {
 
     #[inline]
     fn predict(&mut self, window: &Window) -> u16 {
-        let (words, _) = window.as_chunks::<8>();
-        self.bits = Bits(std::array::from_fn(|w| u64::from_le_bytes(words[w])));
+        self.bits = Bits::of_bytes(window);
         let logit = self.network.logit(&self.bits);
         self.probability = squash(logit);
         let Contexts { places, sets, refined } = Contexts::of(window);

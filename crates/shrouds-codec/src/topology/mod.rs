@@ -10,6 +10,7 @@ pub mod dense;
 pub mod fast;
 mod layers;
 pub mod scan;
+pub(crate) mod slab;
 pub mod window;
 
 pub use window::{Model, Window};

@@ -37,7 +37,7 @@ impl Occupancy {
     /// of 0 must give 0.
     pub(super) fn zip_words(&self, other: &Self, f: impl Fn(u64, u64) -> u64) -> Self {
         let words = self.words().0.iter().zip(other.words().0).map(|(&a, &b)| f(a, b)).collect();
-        Self::from_words(self.grid().clone(), words)
+        Self::of_words(self.grid().clone(), words)
     }
 
     /// The lattice points that are outside.

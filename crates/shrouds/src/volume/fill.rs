@@ -103,7 +103,7 @@ impl Filler {
             return Err(Error::NotANumber { voxel: [i, j, k], others: count - 1 });
         }
         let words = if self.z_fastest { reverse_axes(&self.words, dims) } else { self.words };
-        Ok(Occupancy::from_words(self.grid, words))
+        Ok(Occupancy::of_words(self.grid, words))
     }
 }
 

@@ -110,9 +110,28 @@ impl Occupancy {
     }
 
     /// The volume with these words.
-    pub(super) fn from_words(grid: Grid, words: Vec<u64>) -> Self {
+    pub(super) fn of_words(grid: Grid, words: Vec<u64>) -> Self {
         let words_per_row = grid.dims()[0].div_ceil(64);
         Self { grid, words_per_row, words }
+    }
+
+    /// The volume whose rows have these words, one row after another, each as [`Occupancy::row`] has
+    /// it. Bits past the end of a row are cleared.
+    ///
+    /// # Errors
+    /// [`Error::Length`], in words times 64, when the number of words does not fit the grid.
+    pub fn from_words(grid: Grid, mut words: Vec<u64>) -> Result<Self, Error> {
+        let [nx, ny, nz] = grid.dims();
+        let words_per_row = nx.div_ceil(64);
+        if words.len() != words_per_row * ny * nz {
+            let (values, dims) = (64 * words.len(), grid.dims());
+            return Err(Error::Length { values, dims, points: 64 * words_per_row * ny * nz });
+        }
+        if nx % 64 > 0 {
+            let ends = words.iter_mut().skip(words_per_row - 1).step_by(words_per_row);
+            ends.for_each(|word| *word &= (1 << (nx % 64)) - 1);
+        }
+        Ok(Self::of_words(grid, words))
     }
 
     /// The lattice.

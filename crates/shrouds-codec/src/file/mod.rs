@@ -1,0 +1,11 @@
+//! The file: a header and chunks, each with check sums, so that every whole prefix is a model.
+//!
+//! `docs/format.md` has it byte by byte.
+
+mod chunk;
+mod header;
+mod number;
+
+pub use chunk::{Chunk, Kind};
+pub(crate) use chunk::Damage;
+pub use header::{Content, Header, Profile};
