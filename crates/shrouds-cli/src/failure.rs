@@ -53,6 +53,15 @@ impl From<shrouds_io::Error> for Failure {
     }
 }
 
+impl From<shrouds_codec::Error> for Failure {
+    fn from(error: shrouds_codec::Error) -> Self {
+        match error {
+            shrouds_codec::Error::Setting { .. } => Self::Call(error.to_string()),
+            _ => Self::Undone(error.to_string()),
+        }
+    }
+}
+
 impl From<shrouds_view::Error> for Failure {
     fn from(error: shrouds_view::Error) -> Self {
         use shrouds_view::Error::{Setting, Size, TooClose};

@@ -93,6 +93,9 @@ pub struct Packed {
     pub planes: u64,
     /// Chunks.
     pub chunks: u64,
+    /// Pairs of neighbours that differ: the vertices of the surface, less those at a closed border; or
+    /// of the boundaries between all labels.
+    pub vertices: u64,
 }
 
 /// Packs the topology of a volume.
@@ -141,9 +144,13 @@ fn pack_topology<W: Write>(
     if !header.independent {
         let mut packer = Packer::new(header, out)?;
         (0..volume.grid().dims()[2]).try_for_each(|k| packer.layer(&layer(k)))?;
-        return Ok(packer.writer);
+        return Ok(packer.into_writer());
     }
     let mut writer = Writer::new(&header, out)?;
+    let [nx, _, nz] = header.grid.dims();
+    let mut crossings = Crossings::default();
+    (0..nz).for_each(|k| crossings.layer(nx, &layer(k)));
+    writer.packed.vertices = crossings.count;
     // As many slabs at a time as there are threads: they are in memory until they are written.
     let together = rayon::current_num_threads().max(1);
     let slabs: Vec<usize> = (0..header.slabs()).collect();
@@ -162,6 +169,35 @@ fn pack_topology<W: Write>(
     Ok(writer)
 }
 
+/// Counts neighbours that differ, layer by layer.
+#[derive(Debug, Default)]
+struct Crossings {
+    before: Vec<u64>,
+    count: u64,
+}
+
+impl Crossings {
+    /// Takes in a layer of rows of `nx` voxels.
+    fn layer(&mut self, nx: usize, words: &[u64]) {
+        let differing = |a: &[u64], b: &[u64]| -> u64 {
+            a.iter().zip(b).map(|(a, b)| u64::from((a ^ b).count_ones())).sum()
+        };
+        let row = nx.div_ceil(64);
+        self.count += differing(words, &self.before) + differing(words, &words[row..]);
+        for words in words.chunks_exact(row) {
+            for (w, &word) in words.iter().enumerate() {
+                let next = words.get(w + 1).map_or(0, |next| next << 63);
+                // The last voxel of a row has no neighbour.
+                let pairs = u64::MAX >> (64 - (nx - 1 - 64 * w).min(64)).min(63);
+                let pairs = if nx - 1 == 64 * w { 0 } else { pairs };
+                self.count += u64::from(((word ^ (word >> 1 | next)) & pairs).count_ones());
+            }
+        }
+        self.before.clear();
+        self.before.extend_from_slice(words);
+    }
+}
+
 /// The state before the first layer of a slab that knows of no other.
 pub(crate) fn state(header: &Header) -> State {
     let [nx, ny, _] = header.grid.dims();
@@ -171,7 +207,7 @@ pub(crate) fn state(header: &Header) -> State {
 /// Writes a header and chunks, and counts.
 pub(crate) struct Writer<W> {
     out: W,
-    packed: Packed,
+    pub(crate) packed: Packed,
 }
 
 impl<W: Write> Writer<W> {
@@ -215,6 +251,7 @@ pub struct Packer<W> {
     state: State,
     encoder: SlabEncoder,
     layers: usize,
+    crossings: Crossings,
     writer: Writer<W>,
 }
 
@@ -225,7 +262,9 @@ impl<W: Write> Packer<W> {
     /// [`Error::Io`] when writing fails.
     pub fn new(header: Header, out: W) -> Result<Self, Error> {
         let writer = Writer::new(&header, out)?;
-        Ok(Self { state: state(&header), header, encoder: SlabEncoder::new(), layers: 0, writer })
+        let (state, encoder, crossings) =
+            (state(&header), SlabEncoder::new(), Crossings::default());
+        Ok(Self { header, state, encoder, layers: 0, crossings, writer })
     }
 
     /// Packs the next layer: the words of its rows, as [`Occupancy::row`] has them.
@@ -242,6 +281,7 @@ impl<W: Write> Packer<W> {
             return Err(Error::Setting { name: "a layer", value, range });
         }
         self.encoder.layer(&mut self.state, words);
+        self.crossings.layer(nx, words);
         self.layers += 1;
         if self.layers % self.header.slab_height == 0 || self.layers == nz {
             let encoder = std::mem::replace(&mut self.encoder, SlabEncoder::new());
@@ -264,6 +304,11 @@ impl<W: Write> Packer<W> {
             let (value, range) = (self.layers.to_string(), layers.to_string());
             return Err(Error::Setting { name: "the number of layers", value, range });
         }
-        self.writer.finish()
+        self.into_writer().finish()
+    }
+
+    fn into_writer(mut self) -> Writer<W> {
+        self.writer.packed.vertices = self.crossings.count;
+        self.writer
     }
 }

@@ -8,7 +8,6 @@ use shrouds::Occupancy;
 
 use crate::error::Error;
 use crate::file::{Chunk, Content, Damage, Header, Kind};
-use crate::pack::state;
 use crate::topology::slab::{self, State};
 
 /// What a file holds.
@@ -82,7 +81,7 @@ pub fn unpack_layers(input: impl Read, layers: Range<usize>) -> Result<Occupancy
         return Err(shrouds::Error::NoSuchPoints { axis: 'z', start, end, points: nz }.into());
     }
     let layer = nx.div_ceil(64) * ny;
-    let (mut words, mut state) = (Vec::new(), state(&header));
+    let (mut words, mut state) = (Vec::new(), None);
     for slab in 0..layers.end.div_ceil(header.slab_height) {
         let chunk = file.slab(&header, Kind::Topology, slab)?;
         let first = slab * header.slab_height;
@@ -165,8 +164,7 @@ impl<R: Read> File<R> {
 
     /// The words of the layers that are sound, from the first on, and why there are no more.
     fn all_slabs(&mut self, header: &Header) -> Result<(Vec<u64>, Option<Error>), Error> {
-        let mut words = Vec::new();
-        let mut state = state(header);
+        let (mut words, mut state) = (Vec::new(), None);
         let together = if header.independent { rayon::current_num_threads().max(1) } else { 1 };
         let slabs: Vec<usize> = (0..header.slabs()).collect();
         for slabs in slabs.chunks(together) {
@@ -174,7 +172,7 @@ impl<R: Read> File<R> {
                 slabs.iter().map(|&slab| self.slab(header, Kind::Topology, slab)).collect();
             let decoded: Vec<Result<Vec<u64>, Error>> = if header.independent {
                 let decode = |chunk: Result<Chunk, Error>| {
-                    chunk.and_then(|chunk| decode_slab(header, &mut state.clone(), &chunk))
+                    chunk.and_then(|chunk| decode_slab(header, &mut None, &chunk))
                 };
                 chunks.into_par_iter().map(decode).collect()
             } else {
@@ -230,8 +228,12 @@ pub(crate) fn slab_name(header: &Header, slab: usize) -> String {
     format!("slab {slab} (layers {first} to {})", first + header.layers_in(slab) - 1)
 }
 
-/// The words of a slab.
-fn decode_slab(header: &Header, state: &mut State, chunk: &Chunk) -> Result<Vec<u64>, Error> {
+/// The words of a slab. The state is made once there is a chunk that can hold so many voxels.
+fn decode_slab(
+    header: &Header,
+    state: &mut Option<State>,
+    chunk: &Chunk,
+) -> Result<Vec<u64>, Error> {
     let slab = chunk.number as usize;
     let damaged = |problem: &str| Error::Chunk {
         what: slab_name(header, slab),
@@ -245,13 +247,22 @@ fn decode_slab(header: &Header, state: &mut State, chunk: &Chunk) -> Result<Vec<
     }
     let mut words = Vec::new();
     extend_zeros(&mut words, count)?;
-    if header.independent {
-        *state = crate::pack::state(header);
+    if header.independent || state.is_none() {
+        check_room(8 * State::LAYERS * layer as u64)?;
+        *state = None;
     }
+    let state = state.get_or_insert_with(|| crate::pack::state(header));
     if slab::decode(state, &chunk.payload, &mut words, layer) != chunk.decoded_sum {
         return Err(damaged("its voxels have another check sum than those that were packed"));
     }
     Ok(words)
+}
+
+/// Fails when there is no room for so many bytes. Only asks: memory that is zero by nature cannot be had
+/// from what is reserved so.
+pub(crate) fn check_room(bytes: u64) -> Result<(), Error> {
+    let room = usize::try_from(bytes).map_err(|_| Error::Memory(bytes))?;
+    Vec::<u8>::new().try_reserve_exact(room).map_err(|_| Error::Memory(bytes))
 }
 
 /// Makes room for so many words before it asks for them.

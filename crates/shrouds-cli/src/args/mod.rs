@@ -3,6 +3,7 @@
 
 mod names;
 mod operations;
+mod pack;
 mod polygon;
 mod shroud;
 mod values;
@@ -14,12 +15,13 @@ use clap::{Args, Parser, Subcommand};
 use crate::energies;
 
 pub(crate) use names::{
-    Attribute, Axes, Border, Each, Faces, FrameChoice, Interpolation, Operation, Preset, Solver,
+    Attribute, Axes, Border, Each, Faces, FrameChoice, Interpolation, Operation, Preset, Profile, Solver,
     SurfaceKind, TriangleRule, VolumeRule, Winding,
 };
 pub(crate) use operations::{
     CleanArgs, CombineArgs, CropArgs, EditArgs, OffsetArgs, ResampleArgs, VoxelizeArgs, Window,
 };
+pub(crate) use pack::{PackArgs, UnpackArgs};
 pub(crate) use polygon::{PolygonArgs, Slice};
 pub(crate) use shroud::{ShroudArgs, SolveArgs};
 pub(crate) use values::Start;
@@ -97,6 +99,12 @@ pub(crate) enum Verb {
     /// Turn a triangle mesh into a volume
     #[command(after_help = operations::VOXELIZE_HELP)]
     Voxelize(VoxelizeArgs),
+    /// Pack a volume, or all its labels, into a few kilobytes
+    #[command(after_help = pack::PACK_HELP)]
+    Pack(PackArgs),
+    /// Turn a packed volume back into a mesh or a volume
+    #[command(after_help = pack::UNPACK_HELP)]
+    Unpack(UnpackArgs),
 }
 
 /// The end of a help text, and the energies there are.

@@ -38,7 +38,7 @@ Example:
   shrouds check liver.ply --volume organs.nii.gz --label 6";
 
 pub(crate) const INFO_HELP: &str = "\
-Volumes as for `shrouds mesh`. Meshes: .ply, .stl, .obj.
+Volumes as for `shrouds mesh`. Meshes: .ply, .stl, .obj. Packed: .shroud.
 
 Example:
   shrouds info organs.nii.gz";
@@ -144,7 +144,7 @@ pub(crate) struct CheckArgs {
 
 #[derive(Args)]
 pub(crate) struct InfoArgs {
-    /// The volume or mesh file
+    /// The volume, mesh or .shroud file
     pub(crate) file: PathBuf,
     /// Print everything as JSON, all labels included
     #[arg(long)]

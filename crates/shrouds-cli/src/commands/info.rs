@@ -8,6 +8,7 @@ use shrouds::{Select, TriMesh};
 use shrouds_io::{Contents, Values, Volume, read_mesh};
 
 use crate::args::{InfoArgs, VolumeArgs};
+use crate::commands::unpack as packed;
 use crate::console::{Console, grouped, number, print, print_json};
 use crate::failure::Failure;
 use crate::frame::orientation;
@@ -22,6 +23,9 @@ const SHOWN: usize = 20;
 
 pub(crate) fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
     args.volume.refuse_coordinates()?;
+    if packed::is_packed(&args.file) {
+        return packed::info(args, console);
+    }
     let kind = input::kind(&args.file)?;
     let progress = Progress::new(console.quiet);
     match kind {
@@ -345,10 +349,10 @@ impl MeshInfo {
     }
 }
 
-fn vector(v: [f64; 3]) -> String {
+pub(super) fn vector(v: [f64; 3]) -> String {
     format!("({})", v.map(number).join(", "))
 }
 
-fn table(rows: &[(&str, String)]) -> String {
+pub(super) fn table(rows: &[(&str, String)]) -> String {
     rows.iter().map(|(key, value)| format!("{key:<13}{value}")).collect::<Vec<_>>().join("\n")
 }

@@ -6,8 +6,10 @@ mod demo;
 mod edit;
 mod info;
 mod mesh;
+mod pack;
 mod polygon;
 mod render;
+mod unpack;
 mod voxelize;
 
 use crate::args::{Cli, Verb};
@@ -31,5 +33,7 @@ pub(crate) fn run(cli: &Cli) -> Result<(), Failure> {
         Verb::Resample(args) => edit::resample(args, console),
         Verb::Clean(args) => edit::clean(args, console),
         Verb::Voxelize(args) => voxelize::run(args, console),
+        Verb::Pack(args) => pack::run(args, console),
+        Verb::Unpack(args) => unpack::run(args, console),
     }
 }

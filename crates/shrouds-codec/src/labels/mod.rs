@@ -13,7 +13,7 @@ use crate::file::{Chunk, Content, Header, Kind, Profile};
 use crate::pack::{Packed, Settings, Writer};
 use crate::topology::dense::Dense;
 use crate::topology::fast::Fast;
-use crate::unpack::{File, slab_name};
+use crate::unpack::{File, check_room, slab_name};
 use scan::Scan;
 
 /// A label for every lattice point.
@@ -68,8 +68,19 @@ impl LabelMap {
     }
 
     /// The label of each lattice point, x fastest, then y, then z.
-    pub fn values(&self) -> impl Iterator<Item = i64> {
+    pub fn values(&self) -> impl Iterator<Item = i64> + Clone {
         self.places.iter().map(|&place| self.labels[place as usize])
+    }
+
+    /// Pairs of neighbours with different labels.
+    fn crossings(&self) -> u64 {
+        let [nx, ny, _] = self.grid.dims();
+        let differing = |a: &[u32], b: &[u32]| a.iter().zip(b).filter(|(a, b)| a != b).count() as u64;
+        let along = |length: usize, step: usize| -> u64 {
+            let parts = self.places.chunks_exact(length);
+            parts.map(|part| differing(part, &part[step..])).sum()
+        };
+        along(nx, 1) + along(nx * ny, nx) + along(self.places.len(), nx * ny)
     }
 
     /// The lattice points with a label.
@@ -89,6 +100,7 @@ impl LabelMap {
 pub fn pack_labels(map: &LabelMap, settings: &Settings, out: impl Write) -> Result<Packed, Error> {
     let header = settings.header(map.grid.clone(), Content::Labels(map.labels.clone()))?;
     let mut writer = Writer::new(&header, out)?;
+    writer.packed.vertices = map.crossings();
     let [nx, ny, _] = map.grid.dims();
     let mut state = State::new(&header);
     for (slab, places) in map.places.chunks(nx * ny * header.slab_height).enumerate() {
@@ -116,13 +128,9 @@ pub fn unpack_labels(input: impl Read) -> Result<(Header, LabelMap), Error> {
     let Content::Labels(labels) = &header.content else {
         return Err(Error::Content { found: "a volume", wanted: "labels: unpack its volume" });
     };
-    let mut places = Vec::new();
-    let mut state = State::new(&header);
+    let (mut places, mut state) = (Vec::new(), None);
     for slab in 0..header.slabs() {
         let chunk = file.slab(&header, Kind::Labels, slab)?;
-        if header.independent {
-            state = State::new(&header);
-        }
         decode(&header, &mut state, &chunk, &mut places)?;
     }
     file.end()?;
@@ -133,7 +141,7 @@ pub fn unpack_labels(input: impl Read) -> Result<(Header, LabelMap), Error> {
 /// Appends the labels of a slab.
 fn decode(
     header: &Header,
-    state: &mut State,
+    state: &mut Option<State>,
     chunk: &Chunk,
     places: &mut Vec<u32>,
 ) -> Result<(), Error> {
@@ -152,6 +160,11 @@ fn decode(
     let room = usize::try_from(count).map_err(|_| memory())?;
     places.try_reserve_exact(room).map_err(|_| memory())?;
     places.resize(start + room, 0);
+    if header.independent || state.is_none() {
+        check_room(layer as u64 * State::BYTES)?;
+        *state = None;
+    }
+    let state = state.get_or_insert_with(|| State::new(header));
     let mut coder = Decoder::new(&chunk.payload);
     let mut hasher = crc32fast::Hasher::new();
     for layer in places[start..].chunks_exact_mut(layer) {
@@ -171,6 +184,9 @@ enum State {
 }
 
 impl State {
+    /// At most so many bytes are in memory for it for each voxel of a layer, margins included.
+    const BYTES: u64 = 4096;
+
     fn new(header: &Header) -> Self {
         let [nx, ny, _] = header.grid.dims();
         let labels = match &header.content {

@@ -33,8 +33,8 @@ pub(super) struct Scan<M> {
     nx: usize,
     layers: Layers,
     flags: [Counter; 7],
-    /// One for each question.
-    models: [M; QUESTIONS],
+    /// One for each question, made when it is first asked.
+    models: [Option<M>; QUESTIONS],
     told: Vec<Counter>,
     labels: usize,
 }
@@ -47,7 +47,7 @@ impl<M: Model + Default> Scan<M> {
             nx,
             layers: Layers::new([nx, ny]),
             flags: std::array::from_fn(|size| Counter::new(64 << size.min(5), 4)),
-            models: std::array::from_fn(|_| M::default()),
+            models: std::array::from_fn(|_| None),
             told: vec![Counter::default(); 1 << bits],
             labels,
         }
@@ -109,7 +109,7 @@ impl<M: Model + Default> Scan<M> {
             if count == QUESTIONS || asked[..count].contains(&candidate) {
                 continue;
             }
-            let model = &mut self.models[count];
+            let model = self.models[count].get_or_insert_with(M::default);
             let probability = model.predict(&self.layers.window(place, candidate, M::ROWS));
             let is_it = coder.code(label == candidate, probability);
             model.update(is_it);

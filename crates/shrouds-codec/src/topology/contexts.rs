@@ -7,6 +7,90 @@ use crate::topology::window::Window;
 pub(super) const CONTEXTS: usize = 7;
 /// Binary logarithm of the number of entries of a table.
 pub(super) const SIZE_BITS: u32 = 18;
+/// The sets of each mixer, and the contexts of each refinement.
+pub(super) const SETS: [usize; 2] = [8, 64];
+pub(super) const REFINED: [usize; 2] = [1 << 10, 1 << REFINED_BITS];
+const REFINED_BITS: u32 = 10;
+
+/// Voxels by their row in a window and their bit in it, the lowest bit of a context first: those that
+/// touch, less some of the corners.
+const TOUCHING: [(usize, u32); 12] = [
+    (0, 0),
+    (0, 1),
+    (1, 2),
+    (1, 3),
+    (1, 4),
+    (2, 2),
+    (2, 3),
+    (2, 4),
+    (3, 3),
+    (4, 3),
+    (5, 3),
+    (6, 3),
+];
+/// What is next after the 18 nearest, and what is next after these.
+const WIDER: [(usize, u32); 13] = [
+    (0, 2),
+    (0, 3),
+    (5, 2),
+    (5, 4),
+    (4, 5),
+    (6, 2),
+    (6, 4),
+    (7, 3),
+    (9, 3),
+    (10, 3),
+    (11, 3),
+    (1, 1),
+    (2, 1),
+];
+const WIDEST: [(usize, u32); 15] = [
+    (2, 6),
+    (1, 6),
+    (5, 5),
+    (3, 5),
+    (7, 2),
+    (7, 4),
+    (8, 3),
+    (6, 5),
+    (10, 2),
+    (10, 4),
+    (9, 2),
+    (9, 4),
+    (12, 3),
+    (3, 1),
+    (4, 1),
+];
+/// The last three layers in a cross along x and y, and what touches in this one.
+const COLUMNS: [(usize, u32); 18] = [
+    (2, 2),
+    (2, 3),
+    (2, 4),
+    (6, 2),
+    (6, 3),
+    (6, 4),
+    (11, 2),
+    (11, 3),
+    (11, 4),
+    (3, 3),
+    (9, 3),
+    (15, 3),
+    (4, 3),
+    (10, 3),
+    (16, 3),
+    (0, 0),
+    (0, 1),
+    (1, 3),
+];
+/// The six nearest rows, of which it counts where the side changes.
+const EDGES: [usize; 6] = [1, 2, 3, 4, 5, 6];
+
+/// Rows of five voxels that are counted together, and their bits.
+const LAYER_BEFORE: [usize; 5] = [2, 3, 4, 7, 8];
+const LAYER_EARLIER: [usize; 5] = [6, 9, 10, 13, 14];
+const ROWS_BESIDE: [usize; 3] = [1, 5, 12];
+const FIVE: u8 = 0b11_1110;
+const THREE_BEFORE: u8 = 0b111;
 
 /// Places in the tables, the sets of the mixers, and the contexts of the refinements.
 pub(super) struct Contexts {
@@ -16,118 +100,77 @@ pub(super) struct Contexts {
 }
 
 impl Contexts {
+    #[inline]
     pub(super) fn of(window: &Window) -> Self {
-        let bits = |row: usize, first: u32, count: u32| {
-            u64::from(window[row]) >> first & ((1 << count) - 1)
-        };
-        let touching = bits(0, 0, 2)
-            | bits(1, 2, 3) << 2
-            | bits(2, 2, 3) << 5
-            | bits(3, 3, 1) << 8
-            | bits(4, 3, 1) << 9
-            | bits(5, 3, 1) << 10
-            | bits(6, 3, 1) << 11;
+        let touching = gather(window, &TOUCHING);
         let near = nearest(window) as u64;
-        let wider = near
-            | bits(0, 2, 2) << 18
-            | bits(5, 2, 1) << 20
-            | bits(5, 4, 1) << 21
-            | bits(4, 5, 1) << 22
-            | bits(6, 2, 1) << 23
-            | bits(6, 4, 1) << 24
-            | bits(7, 3, 1) << 25
-            | bits(9, 3, 1) << 26
-            | bits(10, 3, 1) << 27
-            | bits(11, 3, 1) << 28
-            | bits(1, 1, 1) << 29
-            | bits(2, 1, 1) << 30;
-        let widest = wider
-            | bits(2, 6, 1) << 31
-            | bits(1, 6, 1) << 32
-            | bits(5, 5, 1) << 33
-            | bits(3, 5, 1) << 34
-            | bits(7, 2, 1) << 35
-            | bits(7, 4, 1) << 36
-            | bits(8, 3, 1) << 37
-            | bits(6, 5, 1) << 38
-            | bits(10, 2, 1) << 39
-            | bits(10, 4, 1) << 40
-            | bits(9, 2, 1) << 41
-            | bits(9, 4, 1) << 42
-            | bits(12, 3, 1) << 43
-            | bits(3, 1, 1) << 44
-            | bits(4, 1, 1) << 45;
-        let edge = |row: usize| u64::from(EDGE[usize::from(window[row])]);
-        let rows = edge(1)
-            | edge(2) << 4
-            | edge(3) << 8
-            | edge(4) << 12
-            | edge(5) << 16
-            | edge(6) << 20
-            | bits(0, 0, 3) << 24;
-        let columns = bits(2, 2, 3)
-            | bits(6, 2, 3) << 3
-            | bits(11, 2, 3) << 6
-            | bits(3, 3, 1) << 9
-            | bits(9, 3, 1) << 10
-            | bits(15, 3, 1) << 11
-            | bits(4, 3, 1) << 12
-            | bits(10, 3, 1) << 13
-            | bits(16, 3, 1) << 14
-            | bits(0, 0, 2) << 15
-            | bits(1, 3, 1) << 17;
-        let count = |rows: &[usize], mask: u8| -> u64 {
-            rows.iter().map(|&row| u64::from((window[row] & mask).count_ones())).sum()
-        };
-        let before = count(&[2, 3, 4, 7, 8], 0x3e);
-        let earlier = count(&[6, 9, 10, 13, 14], 0x3e);
-        let beside = count(&[1, 5, 12], 0x3e) + u64::from((window[0] & 7).count_ones());
-        let counts = before | earlier / 2 << 5 | beside << 9 | (touching & 0x2a4b & 0xfff) << 14;
-        let hash = |context: u64| {
-            (context.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> (64 - SIZE_BITS)) as usize
-        };
-        let touched = (bits(0, 0, 1) | bits(1, 3, 1) << 1 | bits(2, 3, 1) << 2) as usize;
+        let wider = near | gather(window, &WIDER) << 18;
+        let widest = wider | gather(window, &WIDEST) << 31;
+        let before = count(window, &LAYER_BEFORE);
+        let earlier = count(window, &LAYER_EARLIER);
+        let beside =
+            count(window, &ROWS_BESIDE) + u64::from((window[0] & THREE_BEFORE).count_ones());
+        let edges = EDGES.iter().fold(u64::from(window[0]) & 7, |edges, &row| {
+            edges << 4 | u64::from(EDGE[usize::from(window[row])])
+        });
+        let counts = before | earlier / 2 << 5 | beside << 9 | (touching & 0b1010_0100_1011) << 14;
+        let faces = touching & 1 | touching >> 2 & 2 | touching >> 4 & 4;
+        let eighths = (before / 4).min(7) << 3 | (earlier / 4).min(7);
         Self {
             places: [
                 touching as usize,
                 near as usize,
-                hash(wider),
-                hash(widest + 1),
-                hash(rows + 2),
-                columns as usize,
-                hash(counts + 3),
+                hash(wider, SIZE_BITS),
+                hash(widest + 1, SIZE_BITS),
+                hash(edges + 2, SIZE_BITS),
+                gather(window, &COLUMNS) as usize,
+                hash(counts + 3, SIZE_BITS),
             ],
-            sets: [touched, ((before / 4).min(7) * 8 + (earlier / 4).min(7)) as usize],
+            sets: [faces as usize, eighths as usize],
             refined: [
-                (touching & 0x3ff) as usize,
-                (hash(before | beside << 5 | earlier << 10) >> (SIZE_BITS - 10)) as usize,
+                touching as usize % REFINED[0],
+                hash(before | beside << 5 | earlier << 10, REFINED_BITS),
             ],
         }
     }
 }
 
-/// Where the side changes next to the middle of a row of a window, and which side the middle is on.
+/// Some voxels of a window, the first in the lowest bit.
+#[inline(always)]
+fn gather<const COUNT: usize>(window: &Window, voxels: &[(usize, u32); COUNT]) -> u64 {
+    voxels.iter().rev().fold(0, |bits, &(row, bit)| bits << 1 | u64::from(window[row] >> bit & 1))
+}
+
+/// How many of the five nearest voxels of some rows are inside.
+#[inline(always)]
+fn count(window: &Window, rows: &[usize]) -> u64 {
+    rows.iter().map(|&row| u64::from((window[row] & FIVE).count_ones())).sum()
+}
+
+/// The highest bits of a product: Fibonacci hashing.
+#[inline(always)]
+fn hash(context: u64, bits: u32) -> usize {
+    (context.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> (64 - bits)) as usize
+}
+
+/// Steps from the middle of a row of a window, bit 3, to the nearer place where the side changes: 1 to 4
+/// after it, 5 to 7 for 1 to 3 before it, 0 for none. Times two, and 1 more where the middle is inside.
 static EDGE: [u8; 256] = {
     let mut table = [0; 256];
     let mut row = 0;
     while row < 256 {
-        let middle = row >> 3 & 1;
-        let flipped = (row ^ (if middle == 1 { 255 } else { 0 })) as u8;
-        let after = (flipped >> 3).trailing_zeros();
-        let before = (flipped << 4).leading_zeros();
-        // Steps to the nearer change, odd after and even before; none within reach is 0.
-        let after = if after > 5 { 6 } else { after };
-        let before = if before > 4 { 6 } else { before + 1 };
-        let steps = if after == 6 && before == 6 {
-            0
-        } else if after <= before {
-            if after > 4 { 4 } else { after }
-        } else if before > 3 {
-            7
-        } else {
-            before + 3
+        let inside = row as u8 >> 3 & 1;
+        // 1 where the side is not that of the middle.
+        let other = row as u8 ^ 0u8.wrapping_sub(inside);
+        let after = (other >> 3).trailing_zeros();
+        let before = (other << 4).leading_zeros() + 1;
+        let steps = match (after, before) {
+            (1..=4, _) if after <= before => after,
+            (_, 1..=3) => before + 4,
+            (1..=4, _) => after,
+            _ => 0,
         };
-        table[row] = (steps as u8) << 1 | middle as u8;
+        table[row] = (steps as u8) << 1 | inside;
         row += 1;
     }
     table

@@ -5,24 +5,35 @@ use crate::counter::Counter;
 use crate::logistic::squash;
 use crate::mixer::{Mixer, Refinement, counted};
 use crate::network::{Bits, Network};
-use crate::topology::contexts::{CONTEXTS, Contexts, SIZE_BITS};
+use crate::topology::contexts::{CONTEXTS, Contexts, REFINED, SETS, SIZE_BITS};
 use crate::topology::window::{Model, ROWS, Window};
 
-/// Voxels that the network looks at, and its hidden units.
+/// Voxels that the network looks at: all of a [`Window`].
 pub const INPUTS: usize = 192;
-pub const HIDDEN: usize = 16;
+/// Hidden units of the network.
+pub const HIDDEN: usize = 24;
 /// The tables, the network, and a constant.
 const OPINIONS: usize = CONTEXTS + 2;
+
+/// The network before it has seen a volume, made by `cargo xtask train`: numbers of two bytes, the low
+/// one first, in the order of [`Network::from_prior`].
+const PRIOR: [u8; 2 * Network::<INPUTS, HIDDEN>::PARAMETERS] = *include_bytes!("prior.bin");
 
 /// Bits after which a counter begins to forget.
 const MEMORY: u32 = 255;
 /// How fast the network learns, in units of 1/65536.
-pub const RATE: u32 = 400;
+const RATE: u32 = 400;
+/// How much the opinions weigh in the beginning, in units of 1/65536.
+const TABLE_WEIGHT: i32 = 4000;
+const NETWORK_WEIGHT: i32 = 52_000;
+/// How fast mixers and refinements learn.
+const MIXER_RATE: i32 = 2;
+const REFINEMENT_SHIFT: u32 = 6;
 
 /// A network and tables, mixed.
 #[derive(Debug, Clone)]
 pub struct Dense {
-    pub network: Network<INPUTS, HIDDEN>,
+    network: Network<INPUTS, HIDDEN>,
     tables: Vec<Counter>,
     mixers: [Mixer<OPINIONS>; 2],
     refinements: [Refinement; 2],
@@ -33,30 +44,20 @@ pub struct Dense {
     places: [usize; CONTEXTS],
 }
 
-impl Dense {
-    pub fn new(network: Network<INPUTS, HIDDEN>) -> Self {
-        let mut weights = [4000; OPINIONS];
-        weights[CONTEXTS] = 52000;
-        weights[CONTEXTS + 1] = 0;
+impl Default for Dense {
+    fn default() -> Self {
+        let (numbers, _) = PRIOR.as_chunks::<2>();
+        let prior: Vec<i16> = numbers.iter().map(|&number| i16::from_le_bytes(number)).collect();
+        let mut weights = [TABLE_WEIGHT; OPINIONS];
+        (weights[CONTEXTS], weights[CONTEXTS + 1]) = (NETWORK_WEIGHT, 0);
         Self {
-            network,
+            network: Network::from_prior(&prior, RATE),
             tables: vec![Counter::default(); CONTEXTS << SIZE_BITS],
-            mixers: [Mixer::new(8, weights, 2), Mixer::new(64, weights, 2)],
-            refinements: [Refinement::new(1 << 10, 6), Refinement::new(1 << 10, 6)],
+            mixers: SETS.map(|sets| Mixer::new(sets, weights, MIXER_RATE)),
+            refinements: REFINED.map(|contexts| Refinement::new(contexts, REFINEMENT_SHIFT)),
             bits: Bits([0; 3]),
             probability: 0,
             places: [0; CONTEXTS],
-        }
-    }
-}
-
-impl Default for Dense {
-    fn default() -> Self {
-        let prior = std::fs::read("/tmp/codecdata/prior.bin").ok().map(|b| b.chunks_exact(2).map(|c| i16::from_le_bytes([c[0], c[1]])).collect::<Vec<_>>());
-        let rate = std::env::var("RATE").ok().and_then(|x| x.parse().ok()).unwrap_or(RATE);
-        match prior {
-            Some(p) if p.len() == Network::<INPUTS, HIDDEN>::PARAMETERS => Self::new(Network::from_prior(&p, rate)),
-            _ => Self::new(Network::random(5, 16000, 1310)),
         }
     }
 }
@@ -70,18 +71,22 @@ impl Model for Dense {
         let logit = self.network.logit(&self.bits);
         self.probability = squash(logit);
         let Contexts { places, sets, refined } = Contexts::of(window);
-        self.places = places;
         let mut opinions = [256; OPINIONS];
         for (table, opinion) in opinions[..CONTEXTS].iter_mut().enumerate() {
-            self.places[table] |= table << SIZE_BITS;
+            self.places[table] = table << SIZE_BITS | places[table];
             *opinion = counted(self.tables[self.places[table]]);
         }
-        opinions[CONTEXTS] = logit.clamp(-2800, 2800);
-        let [a, b] = [0, 1].map(|m: usize| self.mixers[m].mix(&opinions, sets[m]));
-        let logit = (a + b) >> 1;
-        let mixed = i32::from(squash(logit));
-        let [c, d] = [0, 1].map(|r: usize| i32::from(self.refinements[r].refine(logit, refined[r])));
-        ((2 * mixed + c + d) >> 2).max(1) as u16
+        opinions[CONTEXTS] = logit;
+        let mut mixed = 0;
+        for (mixer, set) in self.mixers.iter_mut().zip(sets) {
+            mixed += mixer.mix(&opinions, set);
+        }
+        let logit = mixed >> 1;
+        let mut sum = 2 * u32::from(squash(logit));
+        for (refinement, context) in self.refinements.iter_mut().zip(refined) {
+            sum += u32::from(refinement.refine(logit, context));
+        }
+        (sum >> 2).max(1) as u16
     }
 
     #[inline]

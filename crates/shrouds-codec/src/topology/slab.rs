@@ -20,6 +20,9 @@ enum AnyModel {
 }
 
 impl State {
+    /// At most so many layers are in memory for it, with all that is known of them.
+    pub(crate) const LAYERS: u64 = 32;
+
     /// The state before the first layer of `nx` by `ny` voxels.
     pub(crate) fn new([nx, ny]: [usize; 2], profile: Profile) -> Self {
         let model = match profile {

@@ -43,7 +43,7 @@ use crate::stream::Stream;
 
 pub use contents::{Contents, Segment};
 pub use decode::ElementType;
-pub use npy::write_npy;
+pub use npy::{write_npy, write_npy_labels};
 pub use options::{Axes, VolumeOptions};
 pub use raw::RawLayout;
 pub use values::Values;

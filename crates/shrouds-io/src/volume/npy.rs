@@ -2,6 +2,7 @@
 //!
 //! Format: NumPy Enhancement Proposal 1. The header is a Python dictionary of three entries.
 
+use std::io::{self, Write};
 use std::path::Path;
 
 use shrouds::Occupancy;
@@ -56,9 +57,40 @@ pub(super) fn open<'a>(
 /// # Errors
 /// As for [`write_atomically`].
 pub fn write_npy(path: impl AsRef<Path>, volume: &Occupancy) -> Result<(), Error> {
-    let [nx, ny, nz] = volume.grid().dims();
+    write_array(path, "|u1", volume.grid().dims(), |writer| write_bytes(volume, writer))
+}
+
+/// Writes labels, one per lattice point, x fastest, as an array of whole numbers, as small as hold them
+/// all: `uint8`, `uint16` or `int64`. It is indexed `[z, y, x]` in C order.
+///
+/// # Errors
+/// As for [`write_atomically`].
+pub fn write_npy_labels(
+    path: impl AsRef<Path>,
+    dims: [usize; 3],
+    labels: impl Iterator<Item = i64> + Clone,
+) -> Result<(), Error> {
+    let (low, high) =
+        labels.clone().fold((0, 0), |(low, high), label| (label.min(low), label.max(high)));
+    let (element, width) = match (low, high) {
+        (0, 0..=255) => ("|u1", 1),
+        (0, 256..=65_535) => ("<u2", 2),
+        _ => ("<i8", 8),
+    };
+    write_array(path, element, dims, |writer| {
+        labels.into_iter().try_for_each(|label| writer.write_all(&label.to_le_bytes()[..width]))
+    })
+}
+
+/// Writes a header and the values that `write` writes.
+fn write_array(
+    path: impl AsRef<Path>,
+    element: &str,
+    [nx, ny, nz]: [usize; 3],
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), Error> {
     let mut header =
-        format!("{{'descr': '|u1', 'fortran_order': False, 'shape': ({nz}, {ny}, {nx}), }}");
+        format!("{{'descr': '{element}', 'fortran_order': False, 'shape': ({nz}, {ny}, {nx}), }}");
     // The data starts at a multiple of 64 bytes: 10 before the header, a line feed after it.
     let padding = 63 - (header.len() + 10) % 64;
     header.push_str(&" ".repeat(padding));
@@ -68,7 +100,7 @@ pub fn write_npy(path: impl AsRef<Path>, volume: &Occupancy) -> Result<(), Error
         writer.write_all(&[1, 0])?;
         writer.write_all(&(header.len() as u16).to_le_bytes())?;
         writer.write_all(header.as_bytes())?;
-        write_bytes(volume, writer)
+        write(writer)
     })
 }
 

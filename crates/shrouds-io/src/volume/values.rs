@@ -97,6 +97,14 @@ impl Values {
         with_values!(self, v => count_labels(v))
     }
 
+    /// Every value as a whole number; `None` when some value is none, or does not fit into 64 bits.
+    pub fn whole(&self) -> Option<Vec<i64>> {
+        fn whole<T: Voxel>(values: &[T]) -> Option<Vec<i64>> {
+            values.iter().map(|value| value.as_label()?.try_into().ok()).collect()
+        }
+        with_values!(self, v => whole(v))
+    }
+
     /// The volume of all lattice points of `grid` whose value `select` chooses.
     ///
     /// # Errors
