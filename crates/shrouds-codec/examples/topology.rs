@@ -29,14 +29,18 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         let volume = read_volume(&argument, &VolumeOptions::default())?;
         let labels = volume.values.labels().unwrap_or_default();
-        let labels: Vec<i128> = labels.iter().map(|&(label, _)| label).filter(|&l| l != 0).collect();
+        let labels: Vec<i128> =
+            labels.iter().map(|&(label, _)| label).filter(|&l| l != 0).collect();
         let selections: Vec<Select> = if each {
             labels.into_iter().map(|label| Select::Labels(vec![label])).collect()
         } else {
             vec![Select::NonZero]
         };
         for select in selections {
-            println!("{}", measured(&format!("{argument} {select:?}"), &volume.occupancy(&select)?)?);
+            println!(
+                "{}",
+                measured(&format!("{argument} {select:?}"), &volume.occupancy(&select)?)?
+            );
         }
     }
     Ok(())
@@ -99,7 +103,9 @@ fn vertices(volume: &Occupancy) -> u64 {
 fn sixteen(volume: &Occupancy) -> usize {
     let [nx, ny, nz] = volume.grid().dims().map(|n| n as isize);
     let mut steps: Vec<[isize; 3]> = Vec::new();
-    for (z, y, x) in (-2..=0).flat_map(|z| (-2..=2).flat_map(move |y| (-2..=2).map(move |x| (z, y, x)))) {
+    for (z, y, x) in
+        (-2..=0).flat_map(|z| (-2..=2).flat_map(move |y| (-2..=2).map(move |x| (z, y, x))))
+    {
         if (z, y, x) < (0, 0, 0) {
             steps.push([x, y, z]);
         }

@@ -32,9 +32,7 @@ pub enum Error {
         problem: String,
     },
     /// The file ends early, and what is there is no whole model.
-    #[error(
-        "the file ends after {layers} of {all} layers; get the whole file, or ask for the part that is there"
-    )]
+    #[error("the file ends after {layers} of {all} layers; get it again")]
     Cut {
         /// Whole layers that are there.
         layers: usize,

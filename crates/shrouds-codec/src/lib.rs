@@ -16,4 +16,4 @@ pub use error::Error;
 pub use file::{Chunk, Content, Header, Kind, Profile};
 pub use labels::{LabelMap, pack_labels, unpack_labels};
 pub use pack::{Packed, Packer, Planes, Settings, pack, pack_with_planes};
-pub use unpack::{Unpacked, survey, unpack, unpack_layers, unpack_partial};
+pub use unpack::{Part, Unpacked, read_header, survey, unpack, unpack_layers, unpack_partial};

@@ -224,9 +224,8 @@ impl<const INPUTS: usize, const HIDDEN: usize> Network<INPUTS, HIDDEN> {
         self.hidden = sums.map(|sum| if sum > 0 { sum } else { sum >> 3 });
         let products = self.hidden.iter().zip(&self.output);
         let bias = i64::from(self.output_bias) << 16;
-        let sum = products.fold(bias, |sum, (&h, &w)| {
-            sum.wrapping_add(i64::from(h).wrapping_mul(i64::from(w)))
-        });
+        let sum = products
+            .fold(bias, |sum, (&h, &w)| sum.wrapping_add(i64::from(h).wrapping_mul(i64::from(w))));
         (sum >> 24).clamp(-4000, 4000) as i32
     }
 

@@ -132,11 +132,7 @@ pub fn pack_with_planes(
     Ok(writer.finish()?.0)
 }
 
-fn pack_topology<W: Write>(
-    volume: &Occupancy,
-    header: Header,
-    out: W,
-) -> Result<Writer<W>, Error> {
+fn pack_topology<W: Write>(volume: &Occupancy, header: Header, out: W) -> Result<Writer<W>, Error> {
     let layer = |k: usize| -> Vec<u64> {
         let rows = 0..volume.grid().dims()[1];
         rows.flat_map(|j| volume.row(j, k)).copied().collect()
@@ -283,7 +279,7 @@ impl<W: Write> Packer<W> {
         self.encoder.layer(&mut self.state, words);
         self.crossings.layer(nx, words);
         self.layers += 1;
-        if self.layers % self.header.slab_height == 0 || self.layers == nz {
+        if self.layers.is_multiple_of(self.header.slab_height) || self.layers == nz {
             let encoder = std::mem::replace(&mut self.encoder, SlabEncoder::new());
             let slab = (self.layers - 1) / self.header.slab_height;
             self.writer.slab(Kind::Topology, slab, encoder.finish())?;

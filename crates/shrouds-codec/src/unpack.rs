@@ -102,16 +102,36 @@ pub fn unpack_layers(input: impl Read, layers: Range<usize>) -> Result<Occupancy
     Ok(Occupancy::from_words(grid, words)?)
 }
 
-/// What a file holds, without decoding it: the header and each chunk with the bytes of its payload.
+/// What a file says of itself; the rest is not looked at.
+///
+/// # Errors
+/// [`Error::NotShroud`], [`Error::Version`], [`Error::Header`]; [`Error::Io`] when reading fails.
+pub fn read_header(input: impl Read) -> Result<Header, Error> {
+    Ok(File::open(input)?.header)
+}
+
+/// A chunk of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Part {
+    /// What it holds.
+    pub kind: Kind,
+    /// The slab, from 0, or the plane, from 1.
+    pub number: u64,
+    /// Bytes of its payload.
+    pub bytes: u64,
+}
+
+/// What a file holds, without decoding it: the header and the chunks.
 ///
 /// # Errors
 /// As [`unpack`].
-pub fn survey(input: impl Read) -> Result<(Header, Vec<(Kind, u64, u64)>), Error> {
+pub fn survey(input: impl Read) -> Result<(Header, Vec<Part>), Error> {
     let mut file = File::open(input)?;
     let header = file.header.clone();
     let mut chunks = Vec::new();
     while let Some(chunk) = file.next(&format!("chunk {}", chunks.len()))? {
-        chunks.push((chunk.kind, chunk.number, chunk.payload.len() as u64));
+        let Chunk { kind, number, payload, .. } = chunk;
+        chunks.push(Part { kind, number, bytes: payload.len() as u64 });
     }
     Ok((header, chunks))
 }
@@ -235,10 +255,8 @@ fn decode_slab(
     chunk: &Chunk,
 ) -> Result<Vec<u64>, Error> {
     let slab = chunk.number as usize;
-    let damaged = |problem: &str| Error::Chunk {
-        what: slab_name(header, slab),
-        problem: problem.into(),
-    };
+    let damaged =
+        |problem: &str| Error::Chunk { what: slab_name(header, slab), problem: problem.into() };
     let [nx, ny, _] = header.grid.dims();
     let layer = nx.div_ceil(64) * ny;
     let count = layer as u64 * header.layers_in(slab) as u64;

@@ -4,6 +4,8 @@
 //!
 //! `SHROUDS_WRITE_GOLDEN=1 cargo test -p shrouds-codec --test golden` writes those that are missing.
 
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 use std::fs;
@@ -20,7 +22,7 @@ fn body([i, j, k]: [usize; 3]) -> bool {
     let ball = |[a, b, c]: [i64; 3], radius: i64| {
         (x - a).pow(2) + (y - b).pow(2) + (z - c).pow(2) <= radius * radius
     };
-    let speck = common::number(7, [i, j, k]) % 97 == 0 && i > 50;
+    let speck = common::number(7, [i, j, k]).is_multiple_of(97) && i > 50;
     ball([20, 18, 14], 12) && !ball([26, 20, 14], 7) || ball([44, 12, 16], 9) || speck
 }
 
@@ -91,22 +93,19 @@ fn labels_are_packed_and_unpacked_as_ever() {
 /// The bytes of a file that `docs/format.md` explains.
 #[test]
 fn the_page_about_the_format_is_right() {
-    let page = fs::read_to_string(
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/format.md"),
-    )
-    .unwrap();
+    let page =
+        fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/format.md"))
+            .unwrap();
     let dump: Vec<u8> = page
         .lines()
         .filter_map(|line| line.strip_prefix("| `").and_then(|rest| rest.split_once('`')))
         .filter(|(bytes, _)| bytes.split(' ').all(|byte| byte.len() == 2))
         .flat_map(|(bytes, _)| bytes.split(' ').map(|byte| u8::from_str_radix(byte, 16).unwrap()))
         .collect();
-    let volume = phantom::block(&Grid::new([6, 5, 4], [1.0, 1.0, 2.0]).unwrap(), [1, 1, 1], [3, 2, 2]);
-    let settings = Settings {
-        space: "LPS".into(),
-        unit: "mm".into(),
-        ..common::settings(Profile::Fast)
-    };
+    let volume =
+        phantom::block(&Grid::new([6, 5, 4], [1.0, 1.0, 2.0]).unwrap(), [1, 1, 1], [3, 2, 2]);
+    let settings =
+        Settings { space: "LPS".into(), unit: "mm".into(), ..common::settings(Profile::Fast) };
     let bytes = common::packed(&volume.unwrap(), &settings);
     let hex = |bytes: &[u8]| bytes.iter().map(|b| format!("{b:02x}")).collect::<Vec<_>>().join(" ");
     assert_eq!(hex(&dump), hex(&bytes));

@@ -1,5 +1,7 @@
 //! What goes in comes out.
 
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 use common::{packed, settings, solid};
@@ -132,8 +134,7 @@ fn layers_that_come_one_by_one_make_the_same_file() {
 fn some_layers_are_a_volume_of_their_own() {
     let volume = solid([70, 9, 23], 0.3, 3, 6);
     for independent in [false, true] {
-        let settings =
-            Settings { independent, slab_height: Some(4), ..settings(Profile::Dense) };
+        let settings = Settings { independent, slab_height: Some(4), ..settings(Profile::Dense) };
         let bytes = packed(&volume, &settings);
         for range in [0..23, 0..1, 3..9, 4..8, 22..23] {
             let part = unpack_layers(&bytes[..], range.clone()).unwrap();
@@ -173,8 +174,7 @@ fn what_cannot_be_packed_is_refused() {
 fn the_bytes_are_the_same_on_any_number_of_threads() {
     let volume = phantom::linked_tori(48).unwrap();
     for profile in PROFILES {
-        let settings =
-            Settings { independent: true, slab_height: Some(5), ..settings(profile) };
+        let settings = Settings { independent: true, slab_height: Some(5), ..settings(profile) };
         let [one, three] = [1, 3].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {

@@ -15,8 +15,8 @@ use clap::{Args, Parser, Subcommand};
 use crate::energies;
 
 pub(crate) use names::{
-    Attribute, Axes, Border, Each, Faces, FrameChoice, Interpolation, Operation, Preset, Profile, Solver,
-    SurfaceKind, TriangleRule, VolumeRule, Winding,
+    Attribute, Axes, Border, Each, Faces, FrameChoice, Interpolation, Operation, Preset, Profile,
+    Solver, SurfaceKind, TriangleRule, VolumeRule, Winding,
 };
 pub(crate) use operations::{
     CleanArgs, CombineArgs, CropArgs, EditArgs, OffsetArgs, ResampleArgs, VoxelizeArgs, Window,

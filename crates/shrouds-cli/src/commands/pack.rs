@@ -50,8 +50,11 @@ pub(crate) fn run(args: &PackArgs, console: Console) -> Result<(), Failure> {
     }
     check_targets(&[&args.output], &[&args.input])?;
     let progress = Progress::new(console.quiet);
-    let mut report =
-        if args.each.is_some() { labels(args, console, &progress) } else { volume(args, console, &progress) }?;
+    let mut report = if args.each.is_some() {
+        labels(args, console, &progress)
+    } else {
+        volume(args, console, &progress)
+    }?;
     drop(progress);
     report.seconds = start.elapsed().as_secs_f64();
     if args.json {
@@ -84,11 +87,13 @@ fn labels(args: &PackArgs, console: Console, progress: &Progress) -> Result<Repo
     }
     let volume = input::volume(&args.input, &args.volume, args.volume.layer(), progress)?;
     let values = volume.values.whole().ok_or_else(|| {
-        let message = "the values are no labels: some are not whole numbers; use --threshold or --label";
+        let message =
+            "the values are no labels: some are not whole numbers; use --threshold or --label";
         Failure::Undone(format!("{}: {message}", args.input.display()))
     })?;
     let map = LabelMap::new(volume.grid.clone(), &values)?;
-    let packed = write(args, progress, |out| pack_labels(&map, &settings(args, &volume.frame), out))?;
+    let packed =
+        write(args, progress, |out| pack_labels(&map, &settings(args, &volume.frame), out))?;
     let (dims, count) = (map.grid().dims(), map.labels().len());
     Ok(Report::new(args, "all labels".into(), dims, packed, Some(count), None))
 }
@@ -149,7 +154,8 @@ impl Report {
     }
 
     fn in_words(&self) -> String {
-        let what = self.labels.map_or(String::new(), |count| format!("{}, ", plural(count, "label")));
+        let what =
+            self.labels.map_or(String::new(), |count| format!("{}, ", plural(count, "label")));
         let rate = self
             .bits_per_triangle
             .map_or(String::new(), |bits| format!(", {bits:.3} bits per triangle"));

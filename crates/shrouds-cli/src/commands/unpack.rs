@@ -9,7 +9,7 @@ use serde::Serialize;
 use shrouds::Occupancy;
 use shrouds::volume::{Border, FaceRule};
 use shrouds_codec::{
-    Content, Header, Kind, Profile, survey, unpack, unpack_labels, unpack_partial,
+    Content, Header, Kind, Profile, read_header, survey, unpack, unpack_labels, unpack_partial,
 };
 use shrouds_io::{Frame, mesh_format, write_npy_labels, write_volume, written_format};
 
@@ -65,10 +65,7 @@ pub(crate) fn run(args: &UnpackArgs, console: Console) -> Result<(), Failure> {
     check_targets(&[&args.output], &[&args.input])?;
     let progress = Progress::new(console.quiet);
     progress.stage("unpacking");
-    let header = open(&args.input, |file| survey(file).map(|(header, _)| header)).or_else(|error| {
-        // A damaged file may still hold enough.
-        if args.partial { open(&args.input, unpack_partial).map(|all| all.header) } else { Err(error) }
-    })?;
+    let header = open(&args.input, read_header)?;
     let is_map = matches!(header.content, Content::Labels(_));
     if is_map && args.labels.is_empty() {
         return labels(args, is_mesh, console, progress);
@@ -77,7 +74,11 @@ pub(crate) fn run(args: &UnpackArgs, console: Console) -> Result<(), Failure> {
     if let Some(lost) = &volume.lost {
         console.warn(&format!("{}: {lost}", args.input.display()));
     }
-    if is_mesh { mesh(args, volume, start, console, progress) } else { write(args, volume, console, progress) }
+    if is_mesh {
+        mesh(args, volume, start, console, progress)
+    } else {
+        write(args, volume, console, progress)
+    }
 }
 
 /// Reads a file; failures name it.
@@ -89,11 +90,12 @@ fn open<T>(
     let file = File::open(path)
         .map_err(|cause| fail(format!("cannot read it ({cause}); check the name of the file")))?;
     read(BufReader::new(file)).map_err(|error| {
-        let advice = match error {
-            shrouds_codec::Error::Cut { .. } => " (--partial)",
-            _ => "",
-        };
-        fail(format!("{error}{advice}"))
+        use shrouds_codec::Error::{Chunk, Cut};
+        let hint = "; --partial takes the layers before";
+        fail(format!(
+            "{error}{}",
+            if matches!(error, Chunk { .. } | Cut { .. }) { hint } else { "" }
+        ))
     })
 }
 
@@ -112,7 +114,8 @@ fn volume(args: &UnpackArgs, is_map: bool) -> Result<Volume, Failure> {
     let (header, map) = open(&args.input, unpack_labels)?;
     if let Some(missing) = args.labels.iter().find(|label| !map.labels().contains(label)) {
         let there = list(map.labels().iter().map(i64::to_string));
-        let message = format!("there is no label {missing}; the labels are {there}: change --label");
+        let message =
+            format!("there is no label {missing}; the labels are {there}: change --label");
         return Err(Failure::Undone(format!("{}: {message}", args.input.display())));
     }
     let mut occupancy = Occupancy::empty(map.grid().clone());
@@ -192,7 +195,12 @@ fn border(header: &Header) -> args::Border {
     }
 }
 
-fn write(args: &UnpackArgs, volume: Volume, console: Console, progress: Progress) -> Result<(), Failure> {
+fn write(
+    args: &UnpackArgs,
+    volume: Volume,
+    console: Console,
+    progress: Progress,
+) -> Result<(), Failure> {
     progress.stage("writing");
     write_volume(&args.output, &volume.occupancy, &frame(&volume.header))?;
     drop(progress);
@@ -287,8 +295,8 @@ struct Info {
 pub(crate) fn info(args: &InfoArgs, _: Console) -> Result<(), Failure> {
     let (header, chunks) = open(&args.file, survey)?;
     let bytes = |plane: bool| -> u64 {
-        let of_kind = chunks.iter().filter(|(kind, _, _)| (*kind == Kind::Plane) == plane);
-        of_kind.map(|(_, _, bytes)| bytes).sum()
+        let parts = chunks.iter().filter(|part| (part.kind == Kind::Plane) == plane);
+        parts.map(|part| part.bytes).sum()
     };
     let info = Info {
         kind: "packed",
@@ -326,7 +334,8 @@ impl Info {
             Some(labels) => list(labels.iter().map(i64::to_string)),
             None => "none: a binary volume".into(),
         };
-        let kind = if self.independent { "each coded by itself" } else { "each after the one before" };
+        let kind =
+            if self.independent { "each coded by itself" } else { "each after the one before" };
         let slabs = format!("{} layers, {kind}", self.slab);
         table(&[
             ("packed", self.file.clone()),

@@ -12,5 +12,6 @@ mod compare;
 mod edit;
 mod labels;
 mod mesh;
+mod pack;
 mod polygon;
 mod verbs;

@@ -121,7 +121,10 @@ fn waves(random: &mut Random, count: usize, shortest: f64, longest: f64, fall: f
     let power: f64 = waves.iter().map(|(_, _, amount)| amount * amount / 2.0).sum();
     let norm = power.sqrt().recip();
     Box::new(move |p| {
-        norm * waves.iter().map(|(k, phase, amount)| amount * (dot(*k, p) + phase).sin()).sum::<f64>()
+        norm * waves
+            .iter()
+            .map(|(k, phase, amount)| amount * (dot(*k, p) + phase).sin())
+            .sum::<f64>()
     })
 }
 
@@ -211,7 +214,8 @@ fn uneven_slices(random: &mut Random, field: Field) -> Field {
     let seed = (random.next() * 1e15) as u64;
     Box::new(move |p| {
         let slice = p[axis].round() as i64 as u64;
-        let number = |n: u64| (mixed(seed ^ mixed(slice ^ n << 40)) >> 11) as f64 / (1u64 << 53) as f64;
+        let number =
+            |n: u64| (mixed(seed ^ mixed(slice ^ n << 40)) >> 11) as f64 / (1u64 << 53) as f64;
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
         let angle = TAU * number(1);
         let along = (angle.cos() * p[u] + angle.sin() * p[v]) / length;

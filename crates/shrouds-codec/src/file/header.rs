@@ -227,7 +227,7 @@ fn read_frame(input: &mut &[u8], dims: [usize; 3]) -> Result<Grid, Error> {
 fn block<'a>(input: &mut &'a [u8]) -> Result<&'a [u8], Error> {
     let length = number::read(input).map_err(early)?;
     let length = usize::try_from(length).unwrap_or(usize::MAX);
-    let (block, rest) = input.split_at_checked(length).ok_or_else(|| early_end())?;
+    let (block, rest) = input.split_at_checked(length).ok_or_else(early_end)?;
     *input = rest;
     Ok(block)
 }

@@ -6,6 +6,6 @@ mod chunk;
 mod header;
 mod number;
 
-pub use chunk::{Chunk, Kind};
 pub(crate) use chunk::Damage;
+pub use chunk::{Chunk, Kind};
 pub use header::{Content, Header, Profile};

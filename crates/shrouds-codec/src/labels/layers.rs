@@ -9,18 +9,8 @@ const MARGIN_ROWS: usize = 3;
 const DEPTH: usize = 5;
 
 /// The rows within reach of a voxel that decide whether it is in a run.
-const NEAR: [[isize; 2]; 10] = [
-    [-1, 0],
-    [-2, 0],
-    [0, -1],
-    [-1, -1],
-    [1, -1],
-    [-2, -1],
-    [2, -1],
-    [0, -2],
-    [-1, -2],
-    [1, -2],
-];
+const NEAR: [[isize; 2]; 10] =
+    [[-1, 0], [-2, 0], [0, -1], [-1, -1], [1, -1], [-2, -1], [2, -1], [0, -2], [-1, -2], [1, -2]];
 
 /// The last layers, with the first label around them.
 pub(super) struct Layers {

@@ -75,7 +75,8 @@ impl LabelMap {
     /// Pairs of neighbours with different labels.
     fn crossings(&self) -> u64 {
         let [nx, ny, _] = self.grid.dims();
-        let differing = |a: &[u32], b: &[u32]| a.iter().zip(b).filter(|(a, b)| a != b).count() as u64;
+        let differing =
+            |a: &[u32], b: &[u32]| a.iter().zip(b).filter(|(a, b)| a != b).count() as u64;
         let along = |length: usize, step: usize| -> u64 {
             let parts = self.places.chunks_exact(length);
             parts.map(|part| differing(part, &part[step..])).sum()
@@ -179,7 +180,7 @@ fn decode(
 
 /// What has been learnt, and the last layers.
 enum State {
-    Fast(Scan<Fast>),
+    Fast(Box<Scan<Fast>>),
     Dense(Box<Scan<Dense>>),
 }
 
@@ -194,7 +195,7 @@ impl State {
             Content::Volume => 0,
         };
         match header.profile {
-            Profile::Fast => Self::Fast(Scan::new([nx, ny], labels)),
+            Profile::Fast => Self::Fast(Box::new(Scan::new([nx, ny], labels))),
             Profile::Dense => Self::Dense(Box::new(Scan::new([nx, ny], labels))),
         }
     }

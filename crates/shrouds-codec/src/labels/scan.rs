@@ -87,10 +87,8 @@ impl<M: Model + Default> Scan<M> {
         flag.update(broken, MEMORY);
         let same =
             if broken { coder.code_below(same as u32, quiet as u32) as usize } else { quiet };
-        for at in x..x + same {
-            row[at] = label;
-            self.layers.set([j, at], label);
-        }
+        row[x..x + same].fill(label);
+        (x..x + same).for_each(|at| self.layers.set([j, at], label));
         if !broken {
             return same;
         }

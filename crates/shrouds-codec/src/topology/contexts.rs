@@ -113,7 +113,8 @@ impl Contexts {
         let edges = EDGES.iter().fold(u64::from(window[0]) & 7, |edges, &row| {
             edges << 4 | u64::from(EDGE[usize::from(window[row])])
         });
-        let counts = before | earlier / 2 << 5 | beside << 9 | (touching & 0b1010_0100_1011) << 14;
+        let counts =
+            before | (earlier / 2) << 5 | beside << 9 | (touching & 0b1010_0100_1011) << 14;
         let faces = touching & 1 | touching >> 2 & 2 | touching >> 4 & 4;
         let eighths = (before / 4).min(7) << 3 | (earlier / 4).min(7);
         Self {

@@ -38,9 +38,8 @@ impl Model for Fast {
 /// of those that touch by an edge in the layer before, and one two steps away along y and z.
 #[inline(always)]
 pub(super) fn nearest(window: &Window) -> usize {
-    let bits = |row: usize, first: u32, count: u32| {
-        usize::from(window[row]) >> first & ((1 << count) - 1)
-    };
+    let bits =
+        |row: usize, first: u32, count: u32| usize::from(window[row]) >> first & ((1 << count) - 1);
     bits(0, 0, 2)
         | bits(1, 2, 4) << 2
         | bits(2, 2, 4) << 6

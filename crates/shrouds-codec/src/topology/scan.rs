@@ -42,13 +42,7 @@ impl Scan {
         }
     }
 
-    fn row<M: Model>(
-        &mut self,
-        coder: &mut impl Coder,
-        model: &mut M,
-        j: usize,
-        row: &mut [u64],
-    ) {
+    fn row<M: Model>(&mut self, coder: &mut impl Coder, model: &mut M, j: usize, row: &mut [u64]) {
         // The voxels before the next one, the nearest in the lowest bit.
         let mut known = 0;
         for (w, word) in row.iter_mut().enumerate() {

@@ -1,5 +1,5 @@
 //! What the tests share.
-#![allow(dead_code, unreachable_pub)]
+#![allow(clippy::unwrap_used, dead_code, unreachable_pub)]
 
 use shrouds::{Grid, Occupancy};
 use shrouds_codec::{Profile, Settings, pack};
