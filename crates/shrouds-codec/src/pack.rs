@@ -134,8 +134,9 @@ pub fn pack_with_planes(
 
 fn pack_topology<W: Write>(volume: &Occupancy, header: Header, out: W) -> Result<Writer<W>, Error> {
     let layer = |k: usize| -> Vec<u64> {
-        let rows = 0..volume.grid().dims()[1];
-        rows.flat_map(|j| volume.row(j, k)).copied().collect()
+        let mut words = Vec::new();
+        (0..volume.grid().dims()[1]).for_each(|j| words.extend_from_slice(volume.row(j, k)));
+        words
     };
     if !header.independent {
         let mut packer = Packer::new(header, out)?;

@@ -203,6 +203,8 @@ impl<R: Read> File<R> {
             };
             for part in decoded {
                 match part {
+                    // The first one as it is: mostly there is no other.
+                    Ok(part) if words.is_empty() => words = part,
                     Ok(part) => extend(&mut words, &part)?,
                     Err(error) => return Ok((words, Some(error))),
                 }

@@ -44,17 +44,21 @@ impl State {
 pub(crate) struct SlabEncoder {
     coder: Encoder,
     hasher: crc32fast::Hasher,
+    /// The layer that is being coded.
+    words: Vec<u64>,
 }
 
 impl SlabEncoder {
     pub(crate) fn new() -> Self {
-        Self { coder: Encoder::new(), hasher: crc32fast::Hasher::new() }
+        Self { coder: Encoder::new(), hasher: crc32fast::Hasher::new(), words: Vec::new() }
     }
 
     /// Codes a layer: its rows, each beginning a new word.
     pub(crate) fn layer(&mut self, state: &mut State, words: &[u64]) {
         hash(&mut self.hasher, words);
-        state.layer(&mut self.coder, &mut words.to_vec());
+        self.words.clear();
+        self.words.extend_from_slice(words);
+        state.layer(&mut self.coder, &mut self.words);
     }
 
     /// The payload, and the check sum of the bits.
@@ -81,8 +85,8 @@ pub(crate) fn is_possible(payload: usize, words: u64) -> bool {
 }
 
 fn hash(hasher: &mut crc32fast::Hasher, words: &[u64]) {
-    let mut bytes = [0; 512];
-    for words in words.chunks(64) {
+    let mut bytes = [0; 4096];
+    for words in words.chunks(512) {
         for (place, word) in bytes.chunks_exact_mut(8).zip(words) {
             place.copy_from_slice(&word.to_le_bytes());
         }

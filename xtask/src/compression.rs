@@ -1,0 +1,41 @@
+//! `cargo xtask compression` and `cargo xtask train`: how small packed volumes are, and the prior.
+
+use std::process::Command;
+
+use anyhow::Result;
+
+use crate::{cargo, program, python, root, run as execute, target};
+
+/// What the script compares with, beside what comes with Python; JBIG1 is the program `pbmtojbg` of the
+/// Debian package `jbigkit-bin`.
+const PEERS: [&str; 3] = ["compresso==3.3.3", "crackle-codec==0.55.0", "zstandard==0.25.0"];
+
+/// Where the prior of the profile `dense` lies.
+const PRIOR: &str = "crates/shrouds-codec/src/topology/prior.bin";
+
+/// Rewrites the tables of compression in docs/benchmarks.md.
+pub(crate) fn run() -> Result<()> {
+    execute(&mut cargo("build --release --package shrouds-cli"))?;
+    execute(&mut cargo("build --release --package shrouds-codec --example topology"))?;
+    let interpreter = python::environment()?;
+    python::install(&interpreter, &PEERS)?;
+    let name = format!("topology{}", std::env::consts::EXE_SUFFIX);
+    let mut command = Command::new(interpreter);
+    command.args(["-B", "xtask/python/compression.py"]);
+    for (name, path) in [
+        ("--program", program()),
+        ("--tool", target().join("release/examples").join(name)),
+        ("--data", target().join("data")),
+        ("--folder", target().join("compression")),
+        ("--document", root().join("docs/benchmarks.md")),
+    ] {
+        command.arg(name).arg(path);
+    }
+    execute(command.current_dir(root()))
+}
+
+/// Makes the prior again. Files that were packed with another one can no longer be read: the version of
+/// the format has to change with it.
+pub(crate) fn train() -> Result<()> {
+    execute(cargo("run --release --package shrouds-codec --example train --").arg(PRIOR))
+}
