@@ -86,9 +86,7 @@ impl<const WORDS: usize, const COUNT: usize> Inputs<COUNT> for Bits<WORDS> {
             let mut rest = word;
             while rest != 0 {
                 let row = &rows[rest.trailing_zeros() as usize];
-                for (sum, &weight) in sums.iter_mut().zip(row) {
-                    *sum = sum.wrapping_add(weight);
-                }
+                sums = std::array::from_fn(|j| sums[j].wrapping_add(row[j]));
                 rest &= rest - 1;
             }
         }
@@ -107,9 +105,8 @@ impl<const WORDS: usize, const COUNT: usize> Inputs<COUNT> for Bits<WORDS> {
         for (&word, rows) in self.0.iter().zip(weights.chunks_exact_mut(64)) {
             for (place, row) in rows.iter_mut().enumerate() {
                 let change = &changes[(word >> place & 1) as usize];
-                for (weight, &change) in row.iter_mut().zip(change) {
-                    *weight = weight.wrapping_add(change);
-                }
+                // All of them read before one is written, so that vector instructions do it.
+                *row = std::array::from_fn(|j| row[j].wrapping_add(change[j]));
             }
         }
         let set: u32 = self.0.iter().map(|word| word.count_ones()).sum();

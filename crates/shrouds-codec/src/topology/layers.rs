@@ -13,25 +13,25 @@ const REACH: u32 = 2;
 #[derive(Debug, Clone)]
 pub(super) struct Layers {
     /// Words of a row that hold voxels.
-    pub(super) words: usize,
+    words: usize,
     rows: usize,
     /// The newest first.
     bits: [Vec<u64>; DEPTH],
-    /// Where all and where any of the voxels within reach along x are inside, for the newest layer.
+    /// For the newest layer, where all and where any of the voxels within reach along x are inside.
     along_x: Sides,
-    /// The same within reach along x and y, for the layer before; and within a step less along y,
-    /// for that and the one before it.
+    /// The same within reach along x and y, for the layer before.
     near: Sides,
+    /// The same within reach along x and a step along y, for the layer before and the one before that.
     far: [Sides; 2],
-    /// The same for all known voxels within reach of a row.
-    pub(super) quiet: Sides,
+    /// The same for all known voxels of the layers before that are within reach.
+    before: Sides,
 }
 
 /// Words of bits that tell where all of some voxels are inside and where any is.
 #[derive(Debug, Clone)]
-pub(super) struct Sides {
-    pub(super) all: Vec<u64>,
-    pub(super) any: Vec<u64>,
+struct Sides {
+    all: Vec<u64>,
+    any: Vec<u64>,
 }
 
 impl Sides {
@@ -70,7 +70,7 @@ impl Layers {
             along_x: sides(),
             near: sides(),
             far: [sides(), sides()],
-            quiet: Sides::new(words),
+            before: sides(),
         }
     }
 
@@ -85,26 +85,27 @@ impl Layers {
 
     /// Begins a layer.
     pub(super) fn advance(&mut self) {
-        let (rows, words) = (self.rows as isize, self.words);
+        let (stride, start) = (self.stride() as isize, self.row(0));
+        // All rows at once; what the margins between them get is never looked at.
+        let count = self.rows * self.stride() - 2 * MARGIN_WORDS;
+        let x = &self.along_x;
+        let from = |step: isize| (x, (start as isize + step * stride) as usize);
         self.far.swap(0, 1);
-        for j in 0..rows {
-            let at = self.row(j);
-            let x = &self.along_x;
-            let (five, three) = (-2..=2, -1..=1);
-            let stride = self.words as isize + 2 * MARGIN_WORDS as isize;
-            let from = |step: isize| (x, (at as isize + step * stride) as usize);
-            self.near.gather(at, words, five.map(from));
-            self.far[0].gather(at, words, three.map(from));
-        }
+        self.near.gather(start, count, (-2..=2).map(from));
+        self.far[0].gather(start, count, (-1..=1).map(from));
+        self.before.gather(start, count, [(&self.near, start), (&self.far[1], start)]);
         self.bits.rotate_right(1);
     }
 
-    /// Finds out about row `j` of the newest layer where the known voxels agree.
-    pub(super) fn look_around(&mut self, j: usize) {
-        let [at, one, two] = [0, -1, -2].map(|step| self.row(j as isize + step));
-        let parts =
-            [(&self.along_x, one), (&self.along_x, two), (&self.near, at), (&self.far[1], at)];
-        self.quiet.gather(0, self.words, parts);
+    /// Where all known voxels around those of a word are outside, and where all are inside.
+    #[inline(always)]
+    pub(super) fn quiet(&self, j: usize, w: usize) -> [u64; 2] {
+        let [here, one, two] = [0, -1, -2].map(|step| self.row(j as isize + step) + w);
+        let (x, before) = (&self.along_x, &self.before);
+        [
+            !(before.any[here] | x.any[one] | x.any[two]),
+            before.all[here] & x.all[one] & x.all[two],
+        ]
     }
 
     /// Takes in row `j` of the newest layer.

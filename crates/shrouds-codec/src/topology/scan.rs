@@ -36,7 +36,6 @@ impl Scan {
     pub fn layer<M: Model>(&mut self, coder: &mut impl Coder, model: &mut M, words: &mut [u64]) {
         self.layers.advance();
         for (j, row) in words.chunks_exact_mut(self.nx.div_ceil(64)).take(self.ny).enumerate() {
-            self.layers.look_around(j);
             self.row(coder, model, j, row);
             self.layers.finish_row(j, row);
         }
@@ -61,7 +60,7 @@ impl Scan {
         known: &mut u64,
         word: &mut u64,
     ) {
-        let quiet = [!self.layers.quiet.any[w], self.layers.quiet.all[w]];
+        let quiet = self.layers.quiet(j, w);
         let (source, mut coded) = (*word, 0);
         let mut near = Near::default();
         let mut x = 0;
