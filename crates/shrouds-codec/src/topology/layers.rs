@@ -102,10 +102,7 @@ impl Layers {
     pub(super) fn quiet(&self, j: usize, w: usize) -> [u64; 2] {
         let [here, one, two] = [0, -1, -2].map(|step| self.row(j as isize + step) + w);
         let (x, before) = (&self.along_x, &self.before);
-        [
-            !(before.any[here] | x.any[one] | x.any[two]),
-            before.all[here] & x.all[one] & x.all[two],
-        ]
+        [!(before.any[here] | x.any[one] | x.any[two]), before.all[here] & x.all[one] & x.all[two]]
     }
 
     /// Takes in row `j` of the newest layer.

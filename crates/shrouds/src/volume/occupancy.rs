@@ -258,6 +258,19 @@ mod tests {
     }
 
     #[test]
+    fn words_make_the_volume_they_came_from() {
+        let grid = Grid::new([70, 3, 2], [1.0; 3]).unwrap();
+        let volume = Occupancy::from_fn(grid.clone(), pattern);
+        let mut words: Vec<u64> =
+            (0..6).flat_map(|row| volume.row(row % 3, row / 3)).copied().collect();
+        // Bits past the end of a row.
+        words[3] |= 1 << 6 | 1 << 63;
+        assert_eq!(Occupancy::from_words(grid.clone(), words.clone()).unwrap(), volume);
+        words.pop();
+        assert!(matches!(Occupancy::from_words(grid, words), Err(Error::Length { .. })));
+    }
+
+    #[test]
     fn a_wrong_length_is_refused() {
         let grid = Grid::new([2, 2, 2], [1.0; 3]).unwrap();
         assert!(matches!(
