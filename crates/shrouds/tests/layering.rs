@@ -43,7 +43,10 @@ const ARROWS: &[(&str, &[&str])] = &[
     // The judge shares nothing with what it judges.
     ("check", &["grid", "volume", "mesh", "error", "parallel"]),
     // The back arrow; it asks the judge what a mesh is and where lines cross it.
-    ("voxelize", &["grid", "volume", "mesh", "check", "error", "parallel", "random", "vector"]),
+    (
+        "voxelize",
+        &["grid", "volume", "surface", "mesh", "check", "error", "parallel", "random", "vector"],
+    ),
 ];
 
 /// The module that tells the whole story may use everything.

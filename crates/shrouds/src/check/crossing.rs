@@ -71,7 +71,13 @@ pub(crate) fn crossings(
 ) -> Vec<Change> {
     let blocks = parallel::blocks(mesh.triangles.len(), BLOCK, |range| {
         let mut changes = Vec::new();
-        range.for_each(|t| cross_triangle(&corners(mesh, t), axis, dims, border, &mut changes));
+        let mut push = |_: &Corners, index: [usize; 3], side: i8| {
+            if index[axis] < dims[axis] {
+                // Against the normal the line goes in.
+                changes.push(2 * position(index, dims) + u64::from(side < 0));
+            }
+        };
+        range.for_each(|t| cross_triangle(&corners(mesh, t), axis, dims, border, &mut push));
         changes
     });
     let mut changes = blocks.concat();
@@ -79,12 +85,57 @@ pub(crate) fn crossings(
     changes
 }
 
+/// Where a triangle crosses a grid edge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct EdgeCrossing {
+    /// Position of the low end of the edge among the lattice points, x fastest.
+    pub(crate) low: u64,
+    /// Distance from there, in edge lengths, 0 to 1.
+    pub(crate) along: f64,
+    /// 1 where the edge leaves through the triangle, along its normal, and -1 where it enters.
+    pub(crate) side: i8,
+}
+
+/// All crossings of the mesh with the grid edges along `axis`, sorted along the edges.
+pub(crate) fn edge_crossings(mesh: &TriMesh, axis: usize, dims: [usize; 3]) -> Vec<EdgeCrossing> {
+    let blocks = parallel::blocks(mesh.triangles.len(), BLOCK, |range| {
+        let mut found = Vec::new();
+        let mut push = |triangle: &Corners, mut index: [usize; 3], side: i8| {
+            if (1..dims[axis]).contains(&index[axis]) {
+                index[axis] -= 1;
+                let along = (height(triangle, axis, index) - index[axis] as f64).clamp(0.0, 1.0);
+                found.push(EdgeCrossing { low: position(index, dims), along, side });
+            }
+        };
+        range.for_each(|t| {
+            cross_triangle(&corners(mesh, t), axis, dims, Border::Closed, &mut push);
+        });
+        found
+    });
+    let mut found = blocks.concat();
+    found.sort_by(|a, b| a.low.cmp(&b.low).then(a.along.total_cmp(&b.along)));
+    found
+}
+
+/// Where the line through `point` along `axis` meets the plane of a triangle.
+fn height(triangle: &Corners, axis: usize, point: [usize; 3]) -> f64 {
+    let normal = area_vector(triangle);
+    let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+    let aside = |d: usize| normal[d] * (point[d] as f64 - triangle[0][d]);
+    triangle[0][axis] - (aside(u) + aside(v)) / normal[axis]
+}
+
+fn position([i, j, k]: [usize; 3], dims: [usize; 3]) -> u64 {
+    (k as u64 * dims[1] as u64 + j as u64) * dims[0] as u64 + i as u64
+}
+
+/// Visits the first lattice point at or behind each crossing of a line, and which way it passes.
 fn cross_triangle(
     triangle: &Corners,
     axis: usize,
     dims: [usize; 3],
     border: Border,
-    changes: &mut Vec<Change>,
+    visit: &mut impl FnMut(&Corners, [usize; 3], i8),
 ) {
     let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
     let flat = triangle.map(|p| [p[u], p[v]]);
@@ -104,12 +155,7 @@ fn cross_triangle(
         let mut index = [0; 3];
         index[axis] = first_behind(triangle.map(|p| p[axis]), dims[axis], behind);
         (index[u], index[v]) = (line[0], line[1]);
-        if index[axis] < dims[axis] {
-            let [i, j, k] = index.map(|x| x as u64);
-            let position = (k * dims[1] as u64 + j) * dims[0] as u64 + i;
-            // Against the normal the line goes in.
-            changes.push(2 * position + u64::from(side < 0));
-        }
+        visit(triangle, index, side);
     });
 }
 
@@ -229,8 +275,7 @@ fn touching_triangle(triangle: &Corners, dims: [usize; 3], found: &mut Vec<u64>)
         let mut point = [nearest; 3];
         (point[u], point[v]) = (iu as f64, iv as f64);
         if distance_squared(point, triangle) <= TOUCH * TOUCH {
-            let [i, j, k] = point.map(|x| x as u64);
-            found.push((k * dims[1] as u64 + j) * dims[0] as u64 + i);
+            found.push(position(point.map(|x| x as usize), dims));
         }
     });
 }

@@ -19,6 +19,7 @@ mod crossings;
 mod extract;
 mod face_rule;
 mod faces;
+mod isosurface;
 mod patches;
 pub(crate) mod triangulation;
 

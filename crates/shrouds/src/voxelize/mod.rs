@@ -26,9 +26,12 @@
 //! [`VoxelizeReport::doubtful`] counts the points where it is a close one. Neighbouring parts that
 //! hang together by no edge are never turned.
 //!
-//! Uses: `grid`, `volume`, `mesh`, and of `check` what a mesh is by itself and where lines cross it.
+//! [`deltas()`] gives the place on each crossed grid edge as well.
+//!
+//! Uses: `grid`, `volume`, `surface`, `mesh`, and of `check` what a mesh is by itself and where lines cross it.
 
 mod caps;
+mod deltas;
 mod edges;
 mod fit;
 mod near;
@@ -38,6 +41,7 @@ mod rule;
 mod solid_angle;
 mod winding;
 
+pub use deltas::{Deltas, deltas};
 pub use fit::{Fit, grid_for};
 pub use report::{Method, VoxelizeReport};
 pub use rule::Rule;
