@@ -38,6 +38,7 @@ pub mod logistic;
 pub mod mixer;
 pub mod network;
 pub mod topology;
+pub mod geometry;
 mod file;
 mod pack;
 mod labels;

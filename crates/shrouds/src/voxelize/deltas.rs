@@ -92,10 +92,8 @@ mod tests {
     use super::*;
 
     fn share(crossings: &[(f64, i8)], inside_low: bool) -> f64 {
-        let found: Vec<_> = crossings
-            .iter()
-            .map(|&(along, side)| EdgeCrossing { low: 0, along, side })
-            .collect();
+        let found: Vec<_> =
+            crossings.iter().map(|&(along, side)| EdgeCrossing { low: 0, along, side }).collect();
         outside_share(&found, inside_low)
     }
 

@@ -1,0 +1,97 @@
+//! Measures bit planes: bytes, CPU time and the error of the surface they give back.
+//!
+//! ```sh
+//! cargo run --release -p shrouds-codec --example geometry -- [--like VOLUME] MESH | VOLUME LEVEL
+//! ```
+//!
+//! With `--like` a mesh is voxelised on the lattice of a volume, else values are cut at a level. A line of JSON
+//! for each number of planes, 0 being the library's shroud. Errors are root mean squares in units of the
+//! index; the normal error is the one along the grid edge times the cosine between it and the normal of the true surface.
+
+use std::env;
+use std::error::Error;
+
+use cpu_time::ThreadTime;
+use serde_json::json;
+use shrouds::mesh::{network_normals, place_vertices};
+use shrouds::network::Network;
+use shrouds::optimize::Preset;
+use shrouds::surface::Surface;
+use shrouds::volume::{Border, FaceRule};
+use shrouds::voxelize::{Rule, deltas};
+use shrouds::{Grid, Select, optimize, shroud, voxelize};
+use shrouds_codec::{Settings, geometry, pack};
+use shrouds_io::{VolumeOptions, read_contents, read_mesh, read_volume};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = env::args().skip(1).collect();
+    let options = VolumeOptions::default();
+    let (volume, values, name) = match &arguments[..] {
+        [like, volume, mesh] if like == "--like" => {
+            let (grid, _, _) = read_contents(volume, &options)?;
+            let mesh_read = read_mesh(mesh)?;
+            (voxelize(&mesh_read, &grid, Rule::NonZero)?.volume, Err(mesh_read), mesh.clone())
+        }
+        [volume, level] => {
+            let read = read_volume(volume, &options)?;
+            let level: f64 = level.parse()?;
+            let occupancy = read.occupancy(&Select::Above(level))?;
+            (occupancy, Ok((read, level)), volume.clone())
+        }
+        _ => return Err("give --like VOLUME MESH, or VOLUME LEVEL".into()),
+    };
+    // Errors are in units of the index.
+    let volume = {
+        let dims = volume.grid().dims();
+        volume.clone().with_grid(Grid::new(dims, [1.0; 3])?)?
+    };
+    let _ = (&values, &name);
+    let _ = Preset::Default;
+    let surface = Surface::extract(&volume, FaceRule::Separate, Border::Closed)?;
+    let truth = match &values {
+        Err(mesh) => deltas(mesh, &surface)?.delta,
+        Ok(_) => return Err("values are not read yet".into()),
+    };
+    let mut file = Vec::new();
+    let topology = pack(&volume, &Settings::default(), &mut file)?.bytes * 8;
+    let vertices = surface.vertex_count() as f64;
+    let normals =
+        network_normals(&surface, &Network::trace(&surface), &place_vertices(&surface, &truth));
+    let error = |delta: &[f64]| {
+        let (mut edge, mut normal) = (0.0, 0.0);
+        for (((crossing, n), delta), truth) in
+            surface.crossings().zip(&normals).zip(delta).zip(&truth)
+        {
+            let off = delta - truth;
+            edge += off * off;
+            normal += (off * f64::from(n[crossing.axis()])).powi(2);
+        }
+        ((edge / vertices).sqrt(), (normal / vertices).sqrt())
+    };
+    for preset in [Preset::Fast, Preset::Default, Preset::Exact] {
+        let mut settings = shrouds::Settings::default();
+        settings.optimize = optimize::Settings { preset, ..Default::default() };
+        let (edge, normal) = error(&shroud(&volume, &settings)?.delta);
+        println!(
+            "{}",
+            json!({"mesh": name, "preset": format!("{preset:?}"), "vertices": vertices, "edge": edge, "normal": normal, "topology": topology as f64 / vertices})
+        );
+    }
+    let start = ThreadTime::now();
+    let planes = geometry::encode(&surface, &truth, 8)?;
+    let encoding = start.elapsed().as_secs_f64() * 1e6 / vertices;
+    let payloads: Vec<(&[u8], u32)> = planes.payloads.iter().map(|(p, s)| (&p[..], *s)).collect();
+    let mut bits = 0.0;
+    for count in 1..=8 {
+        bits += 8.0 * payloads[count - 1].0.len() as f64;
+        let start = ThreadTime::now();
+        let places = geometry::decode(&surface, &planes.settings, &payloads[..count]);
+        let decoding = start.elapsed().as_secs_f64() * 1e6 / vertices;
+        let (edge, normal) = error(&places.deltas());
+        println!(
+            "{}",
+            json!({"planes": places.planes, "share": planes.settings[count - 1], "bits": bits / vertices, "total_per_100k_triangles": (bits + topology as f64) / vertices * 50.0, "edge": edge, "normal": normal, "encode_us": encoding / 8.0, "decode_us": decoding / count as f64})
+        );
+    }
+    Ok(())
+}

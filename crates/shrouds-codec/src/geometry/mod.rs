@@ -1,0 +1,219 @@
+//! The places of vertices in bit planes.
+//!
+//! δ of each vertex, 1 being the inside end of its grid edge, is cut into bits: plane 1 says in which
+//! half it lies, plane 2 in which quarter, and so on to plane 8. Each plane is a pass over all vertices
+//! in their order. Before its bit is coded, every vertex is predicted from where its neighbours are now,
+//! those that had their bit already and those that did not; after it, the vertex is moved into the half
+//! that is left. Between planes a fixed number of sweeps smooths the surface within what is known.
+//!
+//! Predictor and sweeps are whole numbers and frozen by the format version. What the decoder shows is
+//! another matter: [`Places::deltas`].
+//!
+//! Planes cover the whole surface, however the topology was cut into slabs.
+
+mod model;
+mod stencil;
+mod sweep;
+
+use shrouds::surface::{Crossing, Surface};
+
+use crate::coder::{Coder, Decoder, Encoder};
+use crate::error::Error;
+use crate::geometry::model::{Known, Model};
+use crate::geometry::stencil::{ONE, Stencil, stencils};
+use crate::geometry::sweep::{Aim, Box, predict, sweep};
+use crate::pack::Planes;
+
+/// Most bit planes.
+pub const MAX_PLANES: usize = 8;
+/// Vertices keep this distance from the ends of their edges, in edge lengths.
+const MARGIN: f64 = 0.002;
+/// Sweeps before the first plane and after each.
+const FIRST_SWEEPS: usize = 16;
+const SWEEPS: usize = 4;
+
+/// Codes δ of all vertices of a surface in some bit planes.
+///
+/// # Errors
+/// [`Error::Setting`] when there is not one δ per vertex, one is not a number, or there are more than
+/// eight planes.
+pub fn encode(surface: &Surface, delta: &[f64], planes: usize) -> Result<Planes, Error> {
+    let wrong =
+        |name, value: String, range: &str| Error::Setting { name, value, range: range.into() };
+    if planes > MAX_PLANES {
+        return Err(wrong("the number of bit planes", planes.to_string(), "0 to 8"));
+    }
+    if delta.len() != surface.vertex_count() {
+        let range = format!("{}, one per vertex", surface.vertex_count());
+        return Err(wrong("the number of places", delta.len().to_string(), &range));
+    }
+    if let Some(odd) = delta.iter().find(|delta| !(0.0..=1.0).contains(*delta)) {
+        return Err(wrong("the place of a vertex", odd.to_string(), "between 0 and 1"));
+    }
+    if planes == 0 {
+        return Ok(Planes::default());
+    }
+    let steps: Vec<u8> = delta.iter().map(|delta| (delta * 256.0).min(255.0) as u8).collect();
+    let mut state = State::new(surface);
+    let mut coded = Planes::default();
+    for plane in 0..planes {
+        let mut encoder = Encoder::new();
+        let sum = state.plane(&mut encoder, plane, |v| steps[v] >> (7 - plane) & 1 == 1);
+        coded.payloads.push((encoder.finish(), sum));
+        coded.settings.push(state.best_share(delta));
+    }
+    Ok(coded)
+}
+
+/// What some bit planes say.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Places {
+    /// How many planes were read.
+    pub planes: usize,
+    /// The highest bits of δ of every vertex, as many as planes.
+    pub steps: Vec<u8>,
+    /// The places of the smoothed surface within the intervals.
+    smooth: Vec<f64>,
+    /// Why not all planes were read, if so.
+    pub lost: Option<String>,
+}
+
+/// Decodes bit planes, the payload of each with its check sum, as far as they are sound. `settings` are
+/// those of [`Planes`].
+///
+/// Time and memory are bounded by the vertices, whatever the bytes are.
+pub fn decode(surface: &Surface, settings: &[u8], payloads: &[(&[u8], u32)]) -> Places {
+    let mut state = State::new(surface);
+    let mut places = Places { planes: 0, steps: state.steps(), smooth: Vec::new(), lost: None };
+    places.smooth = state.smooth(0);
+    for (plane, &(payload, sum)) in payloads.iter().take(MAX_PLANES).enumerate() {
+        if state.plane(&mut Decoder::new(payload), plane, |_| false) != sum {
+            places.lost = Some(format!("bit plane {} is damaged", plane + 1));
+            break;
+        }
+        places.planes = plane + 1;
+        places.steps = state.steps();
+        places.smooth = state.smooth(settings.get(plane).copied().unwrap_or(u8::MAX));
+    }
+    places
+}
+
+impl Places {
+    /// The interval of δ of every vertex.
+    pub fn intervals(&self) -> impl Iterator<Item = [f64; 2]> {
+        let width = 1.0 / f64::from(1 << self.planes as u32);
+        self.steps.iter().map(move |&step| [0.0, 1.0].map(|end| (f64::from(step) + end) * width))
+    }
+
+    /// δ of every vertex: the place within its interval where the surface is smooth, and not quite at a
+    /// lattice point.
+    pub fn deltas(&self) -> Vec<f64> {
+        self.smooth.iter().map(|delta| delta.clamp(MARGIN, 1.0 - MARGIN)).collect()
+    }
+}
+
+/// A surface between two bits.
+struct State {
+    crossings: Vec<Crossing>,
+    stencils: Vec<Stencil>,
+    places: Vec<i32>,
+    boxes: Vec<Box>,
+    model: Model,
+    planes: usize,
+}
+
+impl State {
+    fn new(surface: &Surface) -> Self {
+        let (crossings, stencils) = stencils(surface);
+        let boxes = vec![Box { low: 0, high: ONE as i32 }; crossings.len()];
+        let mut places = vec![ONE as i32 / 2; crossings.len()];
+        for _ in 0..FIRST_SWEEPS {
+            sweep(&stencils, &mut places, &boxes, Aim::Bending, 26);
+        }
+        Self { crossings, stencils, places, boxes, model: Model::new(), planes: 0 }
+    }
+
+    /// Codes a plane; the check sum of its bits.
+    fn plane(&mut self, coder: &mut impl Coder, plane: usize, bit: impl Fn(usize) -> bool) -> u32 {
+        let before = self.places.clone();
+        let mut bits = vec![0u8; self.places.len().div_ceil(8)];
+        for (v, stencil) in self.stencils.iter().enumerate() {
+            let (own, interval) = (i64::from(before[v]), self.boxes[v]);
+            let predictions = predict(stencil, &self.places, own);
+            let inside_low = self.crossings[v].inside_low();
+            let known = Known {
+                stencil,
+                places: &self.places,
+                predictions,
+                before: own,
+                interval,
+                inside_low,
+                axis: self.crossings[v].axis(),
+                plane,
+            };
+            let probability = self.model.predict(&known);
+            let bit = coder.code(bit(v), probability);
+            self.model.update(bit);
+            bits[v / 8] |= u8::from(bit) << (v % 8);
+            let middle = interval.low + (interval.high - interval.low) / 2;
+            let kept = if bit != inside_low {
+                Box { low: middle, ..interval }
+            } else {
+                Box { high: middle, ..interval }
+            };
+            self.boxes[v] = kept;
+            let place = (predictions.cubic[0] + predictions.cubic[1]) >> 1;
+            self.places[v] = place.clamp(kept.low.into(), kept.high.into()) as i32;
+        }
+        self.planes = plane + 1;
+        for _ in 0..SWEEPS {
+            match plane {
+                0 => sweep(&self.stencils, &mut self.places, &self.boxes, Aim::Chords, 128),
+                _ => sweep(&self.stencils, &mut self.places, &self.boxes, Aim::Cubics, 64),
+            }
+        }
+        crc32fast::hash(&bits)
+    }
+
+    /// The bits of δ so far.
+    fn steps(&self) -> Vec<u8> {
+        let step = |(crossing, interval): (&Crossing, &Box)| {
+            let outer =
+                if crossing.inside_low() { ONE as i32 - interval.high } else { interval.low };
+            (outer >> (16 - self.planes)) as u8
+        };
+        self.crossings.iter().zip(&self.boxes).map(step).collect()
+    }
+
+    /// Of every vertex the middle of the interval of δ, and how far from it the sweeps put it.
+    fn offsets(&self) -> impl Iterator<Item = (f64, f64)> {
+        let fixed = |x: i32| f64::from(x) / ONE as f64;
+        self.crossings.iter().zip(&self.boxes).zip(&self.places).map(
+            move |((crossing, interval), &place)| {
+                let middle = interval.low + (interval.high - interval.low) / 2;
+                (crossing.from_low(fixed(middle)), {
+                    let off = fixed(place - middle);
+                    if crossing.inside_low() { -off } else { off }
+                })
+            },
+        )
+    }
+
+    /// δ with a share of the way, in units of 1/128, from the middle of each interval to where the
+    /// sweeps put the vertex.
+    fn smooth(&self, share: u8) -> Vec<f64> {
+        let share = f64::from(share) / 128.0;
+        let half = 0.5 / f64::from(1 << self.planes as u32);
+        self.offsets().map(|(middle, off)| middle + (share * off).clamp(-half, half)).collect()
+    }
+
+    /// The share that comes nearest to δ.
+    fn best_share(&self, delta: &[f64]) -> u8 {
+        let (mut above, mut below) = (0.0, 0.0);
+        for ((middle, off), delta) in self.offsets().zip(delta) {
+            above += off * (delta - middle);
+            below += off * off;
+        }
+        if below > 0.0 { (128.0 * above / below).round().clamp(0.0, 255.0) as u8 } else { 128 }
+    }
+}
