@@ -19,9 +19,9 @@ use shrouds::optimize::Preset;
 use shrouds::surface::Surface;
 use shrouds::volume::{Border, FaceRule};
 use shrouds::voxelize::{Rule, deltas};
-use shrouds::{Grid, Select, optimize, shroud, voxelize};
+use shrouds::{Select, optimize, shroud, voxelize};
 use shrouds_codec::{Settings, geometry, pack};
-use shrouds_io::{VolumeOptions, read_contents, read_mesh, read_volume};
+use shrouds_io::{Values, Volume, VolumeOptions, read_contents, read_mesh, read_volume};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = env::args().skip(1).collect();
@@ -40,17 +40,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         _ => return Err("give --like VOLUME MESH, or VOLUME LEVEL".into()),
     };
-    // Errors are in units of the index.
-    let volume = {
-        let dims = volume.grid().dims();
-        volume.clone().with_grid(Grid::new(dims, [1.0; 3])?)?
-    };
-    let _ = (&values, &name);
-    let _ = Preset::Default;
     let surface = Surface::extract(&volume, FaceRule::Separate, Border::Closed)?;
     let truth = match &values {
         Err(mesh) => deltas(mesh, &surface)?.delta,
-        Ok(_) => return Err("values are not read yet".into()),
+        Ok((read, level)) => isosurface(read, *level, &surface)?,
     };
     let mut file = Vec::new();
     let topology = pack(&volume, &Settings::default(), &mut file)?.bytes * 8;
@@ -90,8 +83,18 @@ fn main() -> Result<(), Box<dyn Error>> {
         let (edge, normal) = error(&places.deltas());
         println!(
             "{}",
-            json!({"planes": places.planes, "share": planes.settings[count - 1], "bits": bits / vertices, "total_per_100k_triangles": (bits + topology as f64) / vertices * 50.0, "edge": edge, "normal": normal, "encode_us": encoding / 8.0, "decode_us": decoding / count as f64})
+            json!({"planes": places.planes, "hints": planes.settings[7 * (count - 1)..7 * count], "bits": bits / vertices, "total_per_100k_triangles": (bits + topology as f64) / vertices * 50.0, "edge": edge, "normal": normal, "encode_us": encoding / 8.0, "decode_us": decoding / count as f64})
         );
     }
     Ok(())
+}
+
+/// δ of grey values that are bytes or floats.
+fn isosurface(read: &Volume, level: f64, surface: &Surface) -> Result<Vec<f64>, Box<dyn Error>> {
+    Ok(match &read.values {
+        Values::U8(values) => surface.isosurface_deltas(values, level)?,
+        Values::F32(values) => surface.isosurface_deltas(values, level)?,
+        Values::F64(values) => surface.isosurface_deltas(values, level)?,
+        _ => return Err("give values of type u8, f32 or f64".into()),
+    })
 }

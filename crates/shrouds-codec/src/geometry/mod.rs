@@ -28,6 +28,9 @@ use crate::pack::Planes;
 pub const MAX_PLANES: usize = 8;
 /// Vertices keep this distance from the ends of their edges, in edge lengths.
 const MARGIN: f64 = 0.002;
+/// Bytes of the settings for each plane, see [`State::best_hints`], and the one that changes nothing.
+const HINTS: usize = 7;
+const MIDDLE: u8 = 128;
 /// Sweeps before the first plane and after each.
 const FIRST_SWEEPS: usize = 16;
 const SWEEPS: usize = 4;
@@ -60,7 +63,7 @@ pub fn encode(surface: &Surface, delta: &[f64], planes: usize) -> Result<Planes,
         let mut encoder = Encoder::new();
         let sum = state.plane(&mut encoder, plane, |v| steps[v] >> (7 - plane) & 1 == 1);
         coded.payloads.push((encoder.finish(), sum));
-        coded.settings.push(state.best_share(delta));
+        coded.settings.extend(state.best_hints(delta));
     }
     Ok(coded)
 }
@@ -85,7 +88,7 @@ pub struct Places {
 pub fn decode(surface: &Surface, settings: &[u8], payloads: &[(&[u8], u32)]) -> Places {
     let mut state = State::new(surface);
     let mut places = Places { planes: 0, steps: state.steps(), smooth: Vec::new(), lost: None };
-    places.smooth = state.smooth(0);
+    places.smooth = state.smooth(&[]);
     for (plane, &(payload, sum)) in payloads.iter().take(MAX_PLANES).enumerate() {
         if state.plane(&mut Decoder::new(payload), plane, |_| false) != sum {
             places.lost = Some(format!("bit plane {} is damaged", plane + 1));
@@ -93,7 +96,7 @@ pub fn decode(surface: &Surface, settings: &[u8], payloads: &[(&[u8], u32)]) -> 
         }
         places.planes = plane + 1;
         places.steps = state.steps();
-        places.smooth = state.smooth(settings.get(plane).copied().unwrap_or(u8::MAX));
+        places.smooth = state.smooth(settings.get(HINTS * plane..).unwrap_or_default());
     }
     places
 }
@@ -188,32 +191,66 @@ impl State {
     /// Of every vertex the middle of the interval of δ, and how far from it the sweeps put it.
     fn offsets(&self) -> impl Iterator<Item = (f64, f64)> {
         let fixed = |x: i32| f64::from(x) / ONE as f64;
-        self.crossings.iter().zip(&self.boxes).zip(&self.places).map(
-            move |((crossing, interval), &place)| {
-                let middle = interval.low + (interval.high - interval.low) / 2;
-                (crossing.from_low(fixed(middle)), {
-                    let off = fixed(place - middle);
-                    if crossing.inside_low() { -off } else { off }
-                })
-            },
-        )
+        let boxes = self.crossings.iter().zip(&self.boxes);
+        boxes.zip(&self.places).map(move |((crossing, interval), &place)| {
+            let middle = interval.low + (interval.high - interval.low) / 2;
+            let off = fixed(place - middle);
+            let off = if crossing.inside_low() { -off } else { off };
+            (crossing.from_low(fixed(middle)), off)
+        })
     }
 
-    /// δ with a share of the way, in units of 1/128, from the middle of each interval to where the
-    /// sweeps put the vertex.
-    fn smooth(&self, share: u8) -> Vec<f64> {
-        let share = f64::from(share) / 128.0;
-        let half = 0.5 / f64::from(1 << self.planes as u32);
-        self.offsets().map(|(middle, off)| middle + (share * off).clamp(-half, half)).collect()
+    /// The flat face that every vertex lies on, by which way it looks, or none.
+    fn faces(&self) -> impl Iterator<Item = Option<usize>> {
+        self.crossings.iter().zip(&self.stencils).map(|(crossing, stencil)| {
+            let is_flat = stencil.iter().flatten().all(|link| link.is_level());
+            is_flat.then(|| 2 * crossing.axis() + usize::from(crossing.inside_low()))
+        })
     }
 
-    /// The share that comes nearest to δ.
-    fn best_share(&self, delta: &[f64]) -> u8 {
+    /// The width of the intervals.
+    fn width(&self) -> f64 {
+        1.0 / f64::from(1 << self.planes as u32)
+    }
+
+    /// δ within each interval as the hints have it.
+    fn smooth(&self, hints: &[u8]) -> Vec<f64> {
+        let hints: [u8; HINTS] = std::array::from_fn(|n| *hints.get(n).unwrap_or(&MIDDLE));
+        let share = f64::from(hints[0]) / 128.0;
+        let half = self.width() / 2.0;
+        let move_on = |((middle, off), face): ((f64, f64), Option<usize>)| {
+            let shift = face.map_or(0.0, |face| f64::from(hints[1 + face]) - f64::from(MIDDLE));
+            middle + (share * off + shift * self.width() / 256.0).clamp(-half, half)
+        };
+        self.offsets().zip(self.faces()).map(move_on).collect()
+    }
+
+    /// The hints that come nearest to δ: the share of the way from the middle of the interval to
+    /// where the sweeps put a vertex, in units of 1/128, and for each way that flat faces look how much
+    /// further inside they lie on average, in units of 1/256 of the interval, from 128 on.
+    fn best_hints(&self, delta: &[f64]) -> [u8; HINTS] {
+        let mut hints = [MIDDLE; HINTS];
         let (mut above, mut below) = (0.0, 0.0);
-        for ((middle, off), delta) in self.offsets().zip(delta) {
-            above += off * (delta - middle);
-            below += off * off;
+        for (((middle, off), face), delta) in self.offsets().zip(self.faces()).zip(delta) {
+            if face.is_none() {
+                above += off * (delta - middle);
+                below += off * off;
+            }
         }
-        if below > 0.0 { (128.0 * above / below).round().clamp(0.0, 255.0) as u8 } else { 128 }
+        let byte = |x: f64| x.round().clamp(0.0, 255.0) as u8;
+        if below > 0.0 {
+            hints[0] = byte(128.0 * above / below);
+        }
+        let mut means = [(0.0, 0u32); 6];
+        for ((smooth, face), delta) in self.smooth(&hints).iter().zip(self.faces()).zip(delta) {
+            if let Some(face) = face {
+                means[face].0 += delta - smooth;
+                means[face].1 += 1;
+            }
+        }
+        for (hint, (sum, count)) in hints[1..].iter_mut().zip(means) {
+            *hint = byte(128.0 + 256.0 * sum / f64::from(count.max(1)) / self.width());
+        }
+        hints
     }
 }

@@ -30,6 +30,11 @@ impl Link {
         if self.parallel { (along + x, aside) } else { (along, aside + x) }
     }
 
+    /// Whether its grid edge is beside that of the vertex, between the same two lattice planes.
+    pub(super) fn is_level(self) -> bool {
+        self.exists && self.parallel && self.along == 0
+    }
+
     /// Where its grid edge lies to that of the vertex: 1 beside it, 0 at its low end, 2 at its high one.
     pub(super) fn kind(self) -> usize {
         if self.parallel { 1 } else { 2 * usize::from(self.along > 0) }
