@@ -6,22 +6,24 @@
 //!
 //! With `--like` a mesh is voxelised on the lattice of a volume, else values are cut at a level. A line of JSON
 //! for each number of planes, 0 being the library's shroud. Errors are root mean squares in units of the
-//! index; the normal error is the one along the grid edge times the cosine between it and the normal of the true surface.
+//! index; the normal error is the one along the grid edge times the cosine between it and the normal of the true
+//! surface. The variable `TRUE_SURFACE` names a PLY for the true surface, which `xtask/python/draco.py` packs.
 
 use std::env;
 use std::error::Error;
 
 use cpu_time::ThreadTime;
 use serde_json::json;
-use shrouds::mesh::{network_normals, place_vertices};
+use shrouds::mesh::{MeshKind, Triangles, network_normals, place_vertices};
 use shrouds::network::Network;
 use shrouds::optimize::Preset;
 use shrouds::surface::Surface;
 use shrouds::volume::{Border, FaceRule};
 use shrouds::voxelize::{Rule, deltas};
-use shrouds::{Select, optimize, shroud, voxelize};
+use shrouds::{Select, TriMesh, optimize, shroud, voxelize};
 use shrouds_codec::{Settings, geometry, pack};
-use shrouds_io::{Values, Volume, VolumeOptions, read_contents, read_mesh, read_volume};
+use shrouds_io::{MeshOptions, Precision, Values, Volume, VolumeOptions};
+use shrouds_io::{read_contents, read_mesh, read_volume, write_mesh};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = env::args().skip(1).collect();
@@ -45,11 +47,25 @@ fn main() -> Result<(), Box<dyn Error>> {
         Err(mesh) => deltas(mesh, &surface)?.delta,
         Ok((read, level)) => isosurface(read, *level, &surface)?,
     };
+    let normals =
+        network_normals(&surface, &Network::trace(&surface), &place_vertices(&surface, &truth));
+    if let Ok(out) = env::var("TRUE_SURFACE") {
+        let mesh = TriMesh::span(
+            &surface,
+            place_vertices(&surface, &truth),
+            normals.clone(),
+            MeshKind::Primal,
+            Triangles::Fixed,
+        );
+        write_mesh(
+            out,
+            &mesh,
+            &MeshOptions { precision: Precision::Double, ..Default::default() },
+        )?;
+    }
     let mut file = Vec::new();
     let topology = pack(&volume, &Settings::default(), &mut file)?.bytes * 8;
     let vertices = surface.vertex_count() as f64;
-    let normals =
-        network_normals(&surface, &Network::trace(&surface), &place_vertices(&surface, &truth));
     let error = |delta: &[f64]| {
         let (mut edge, mut normal) = (0.0, 0.0);
         for (((crossing, n), delta), truth) in
