@@ -31,9 +31,10 @@ const MARGIN: f64 = 0.002;
 /// Bytes of the settings for each plane, see [`State::best_hints`], and the one that changes nothing.
 const HINTS: usize = 7;
 const MIDDLE: u8 = 128;
-/// Sweeps before the first plane and after each.
-const FIRST_SWEEPS: usize = 16;
-const SWEEPS: usize = 4;
+/// Sweeps before the first plane, after it, and after each of the others.
+const FIRST_SWEEPS: usize = 14;
+const SECOND_SWEEPS: usize = 12;
+const SWEEPS: usize = 5;
 
 /// Codes δ of all vertices of a surface in some bit planes.
 ///
@@ -169,11 +170,12 @@ impl State {
             self.places[v] = place.clamp(kept.low.into(), kept.high.into()) as i32;
         }
         self.planes = plane + 1;
-        for _ in 0..SWEEPS {
-            match plane {
-                0 => sweep(&self.stencils, &mut self.places, &self.boxes, Aim::Chords, 128),
-                _ => sweep(&self.stencils, &mut self.places, &self.boxes, Aim::Cubics, 64),
-            }
+        let (count, aim, pull) = match plane {
+            0 => (SECOND_SWEEPS, Aim::Chords, 128),
+            _ => (SWEEPS, Aim::Cubics, 64),
+        };
+        for _ in 0..count {
+            sweep(&self.stencils, &mut self.places, &self.boxes, aim, pull);
         }
         crc32fast::hash(&bits)
     }

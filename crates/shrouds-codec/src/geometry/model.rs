@@ -138,7 +138,7 @@ impl Model {
             for (link, further) in links.iter().zip([true, false, false, true]) {
                 if link.exists {
                     let (along, aside) = link.place(known.places);
-                    self.inputs[n] = (turn * (along - middle) >> 8).clamp(-768, 768) as i32;
+                    self.inputs[n] = ((turn * (along - middle)) >> 8).clamp(-768, 768) as i32;
                     self.inputs[n + 1] = (aside.abs() >> 8).min(768) as i32;
                     if !further {
                         self.inputs[n + 2] = if link.parallel { 256 } else { -256 };
