@@ -78,8 +78,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         ((edge / vertices).sqrt(), (normal / vertices).sqrt())
     };
     for preset in [Preset::Fast, Preset::Default, Preset::Exact] {
-        let mut settings = shrouds::Settings::default();
-        settings.optimize = optimize::Settings { preset, ..Default::default() };
+        let optimize = optimize::Settings { preset, ..Default::default() };
+        let settings = shrouds::Settings { optimize, ..Default::default() };
         let (edge, normal) = error(&shroud(&volume, &settings)?.delta);
         println!(
             "{}",

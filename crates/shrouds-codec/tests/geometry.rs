@@ -1,4 +1,5 @@
 //! Bit planes give every bit back, and damage is noticed.
+#![allow(clippy::unwrap_used)]
 
 use proptest::prelude::*;
 use shrouds::surface::Surface;
