@@ -50,7 +50,6 @@ fn measured(name: &str, volume: &Occupancy) -> Result<serde_json::Value, Box<dyn
     let mut line = json!({
         "name": name,
         "dims": volume.grid().dims(),
-        "vertices": vertices(volume),
         "sixteen": sixteen(volume),
     });
     for (name, profile) in [("fast", Profile::Fast), ("dense", Profile::Dense)] {
@@ -66,36 +65,12 @@ fn measured(name: &str, volume: &Occupancy) -> Result<serde_json::Value, Box<dyn
             let unpacked = unpack(&bytes[..])?;
             times[1] = times[1].min(start.elapsed());
             assert_eq!(unpacked.volume.count(), volume.count());
+            line["vertices"] = json!(packed.vertices);
             line[name] = json!({ "topology": packed.topology, "file": packed.bytes });
         }
         line[name]["seconds"] = json!(times.map(|time| time.as_secs_f64()));
     }
     Ok(line)
-}
-
-/// Grid edges whose ends are on different sides.
-fn vertices(volume: &Occupancy) -> u64 {
-    let [nx, ny, nz] = volume.grid().dims();
-    let differing = |a: &[u64], b: &[u64]| -> u64 {
-        a.iter().zip(b).map(|(a, b)| u64::from((a ^ b).count_ones())).sum()
-    };
-    let mut count = 0;
-    for (j, k) in (0..nz).flat_map(|k| (0..ny).map(move |j| (j, k))) {
-        let row = volume.row(j, k);
-        let shifted: Vec<u64> = (0..row.len())
-            .map(|w| row[w] >> 1 | row.get(w + 1).map_or(0, |next| next << 63))
-            .collect();
-        // The last voxel has no neighbour, and 0 stands there.
-        let last = row[(nx - 1) / 64] >> ((nx - 1) % 64) & 1;
-        count += differing(row, &shifted) - last;
-        if j + 1 < ny {
-            count += differing(row, volume.row(j + 1, k));
-        }
-        if k + 1 < nz {
-            count += differing(row, volume.row(j, k + 1));
-        }
-    }
-    count
 }
 
 /// Bytes of an adaptive arithmetic coder that codes every voxel by its 16 nearest neighbours among those

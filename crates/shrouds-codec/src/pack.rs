@@ -48,8 +48,11 @@ impl Default for Settings {
 const SLAB_POINTS: usize = 1 << 24;
 
 impl Settings {
-    /// The header of a volume on `grid`.
-    pub(crate) fn header(&self, grid: Grid, content: Content) -> Result<Header, Error> {
+    /// The header of a file with these settings and without planes, for [`Packer`].
+    ///
+    /// # Errors
+    /// [`Error::Setting`] for slabs of height 0.
+    pub fn header(&self, grid: Grid, content: Content) -> Result<Header, Error> {
         let [nx, ny, nz] = grid.dims();
         let usual = SLAB_POINTS.div_ceil(nx * ny).min(nz);
         let slab_height = self.slab_height.unwrap_or(usual);

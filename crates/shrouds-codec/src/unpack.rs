@@ -4,7 +4,7 @@ use std::io::Read;
 use std::ops::Range;
 
 use rayon::prelude::*;
-use shrouds::Occupancy;
+use shrouds::{Grid, Occupancy};
 
 use crate::error::Error;
 use crate::file::{Chunk, Content, Damage, Header, Kind};
@@ -30,16 +30,9 @@ pub struct Unpacked {
 /// [`Error::Chunk`], [`Error::Cut`], [`Error::Trailing`]; [`Error::Content`] when it holds labels;
 /// [`Error::Memory`]; [`Error::Io`] when reading fails.
 pub fn unpack(input: impl Read) -> Result<Unpacked, Error> {
-    let mut file = File::open(input)?;
-    let header = file.volume_header()?;
-    let (words, damage) = file.all_slabs(&header)?;
-    match damage {
-        Some(damage) => Err(damage),
-        None => {
-            let volume = Occupancy::from_words(header.grid.clone(), words)?;
-            let (planes, lost) = file.planes(&header)?;
-            Ok(Unpacked { header, volume, planes, lost })
-        }
+    match first_layers(input)? {
+        (_, Some(damage)) => Err(damage),
+        (unpacked, None) => Ok(unpacked),
     }
 }
 
@@ -48,23 +41,30 @@ pub fn unpack(input: impl Read) -> Result<Unpacked, Error> {
 /// # Errors
 /// As [`unpack`]; [`Error::Chunk`] and [`Error::Cut`] only when there is no sound layer.
 pub fn unpack_partial(input: impl Read) -> Result<Unpacked, Error> {
+    let (mut unpacked, damage) = first_layers(input)?;
+    if let Some(damage) = damage {
+        let [layers, all] = [unpacked.volume.grid(), &unpacked.header.grid].map(|g| g.dims()[2]);
+        unpacked.lost = Some(format!("only the first {layers} of {all} layers: {damage}"));
+    }
+    Ok(unpacked)
+}
+
+/// The layers of a volume that are sound, from the first on, and why there are no more; planes only if
+/// all are.
+fn first_layers(input: impl Read) -> Result<(Unpacked, Option<Error>), Error> {
     let mut file = File::open(input)?;
     let header = file.volume_header()?;
     let (words, damage) = file.all_slabs(&header)?;
-    let [nx, ny, nz] = header.grid.dims();
+    let [nx, ny, _] = header.grid.dims();
     let layers = words.len() / (nx.div_ceil(64) * ny);
-    let Some(damage) = damage else {
-        let volume = Occupancy::from_words(header.grid.clone(), words)?;
-        let (planes, lost) = file.planes(&header)?;
-        return Ok(Unpacked { header, volume, planes, lost });
+    let (planes, lost) = match damage {
+        Some(damage) if layers == 0 => return Err(damage),
+        Some(_) => (Vec::new(), None),
+        None => file.planes(&header)?,
     };
-    if layers == 0 {
-        return Err(damage);
-    }
-    let grid = shrouds::Grid::with_affine([nx, ny, layers], header.grid.affine())?;
+    let grid = Grid::with_affine([nx, ny, layers], header.grid.affine())?;
     let volume = Occupancy::from_words(grid, words)?;
-    let lost = Some(format!("only the first {layers} of {nz} layers: {damage}"));
-    Ok(Unpacked { header, volume, planes: Vec::new(), lost })
+    Ok((Unpacked { header, volume, planes, lost }, damage))
 }
 
 /// Unpacks some layers of a volume. Of independent slabs only those are decoded that hold some of
@@ -98,7 +98,7 @@ pub fn unpack_layers(input: impl Read, layers: Range<usize>) -> Result<Occupancy
     let mut affine = header.grid.affine();
     let first = header.grid.point([0.0, 0.0, layers.start as f64]);
     affine.iter_mut().zip(first).for_each(|(row, place)| row[3] = place);
-    let grid = shrouds::Grid::with_affine([nx, ny, layers.len()], affine)?;
+    let grid = Grid::with_affine([nx, ny, layers.len()], affine)?;
     Ok(Occupancy::from_words(grid, words)?)
 }
 

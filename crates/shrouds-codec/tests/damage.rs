@@ -134,6 +134,29 @@ fn messages_say_what_is_wrong() {
     assert_eq!(lengths, [0, 3, 6, 9]);
 }
 
+/// A header with a sound check sum around these bytes.
+fn header(body: &[u8]) -> Vec<u8> {
+    let mut bytes = [b"\x89SHR\r\n\x1a\n\x01", &[body.len() as u8][..], body].concat();
+    bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
+    bytes
+}
+
+#[test]
+fn headers_that_make_no_sense() {
+    // Content, profile, flags, planes; dims and slab height; frame; space, unit, plane settings, labels.
+    let sound = [0, 1, 0, 0, 3, 3, 3, 3, 0, 0, 0, 0, 0];
+    assert!(survey(&header(&sound)[..]).is_ok());
+    for (place, value) in
+        [(0, 1), (0, 2), (1, 2), (2, 8), (3, 9), (4, 0), (7, 0), (8, 5), (9, 1), (10, 200), (12, 1)]
+    {
+        let mut body = sound;
+        body[place] = value;
+        assert!(survey(&header(&body)[..]).is_err(), "byte {place} of {value}");
+    }
+    assert!(survey(&header(&sound[..12])[..]).is_err());
+    assert!(survey(&header(&[&sound[..], &[0]].concat())[..]).is_err());
+}
+
 /// A sound header that claims a huge lattice, a sound chunk that claims to hold it, and one that claims a
 /// huge payload.
 #[test]
@@ -145,8 +168,7 @@ fn claims_are_not_believed() {
         // Profile, flags, planes; no frame, no names, no plane settings; the labels 0 and 1.
         let labels: &[u8] = if content == 1 { &[2, 0, 0] } else { &[0] };
         let body = [&[content, 0, 0, 0], &dims[..], &[0, 0, 0, 0], labels].concat();
-        let mut bytes = [b"\x89SHR\r\n\x1a\n\x01", &[body.len() as u8][..], &body].concat();
-        bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
+        let mut bytes = self::header(&body);
         let (header, chunks) = survey(&bytes[..]).unwrap();
         assert_eq!((header.grid.dims()[2], chunks.len()), (500, 0));
         assert!(unpack(&bytes[..]).is_err() && unpack_labels(&bytes[..]).is_err());

@@ -24,11 +24,11 @@ use shrouds_codec::topology::{Model, Window};
 
 use crate::solids::{Random, random_solid};
 
-const VOLUMES: u64 = 700;
+const VOLUMES: u64 = 1000;
 /// Most voxels of one volume.
 const PER_VOLUME: usize = 40_000;
 /// How fast the network learns in each pass, in units of 1/65536.
-const PASSES: [u32; 9] = [1600, 1600, 1100, 700, 450, 280, 170, 100, 60];
+const PASSES: [u32; 10] = [1600, 1600, 1100, 700, 450, 280, 170, 100, 60, 35];
 /// Half the range of the random weights in the beginning, in the same units.
 const SPREAD: u32 = 16_000;
 

@@ -83,9 +83,9 @@ pub(crate) fn random_solid(random: &mut Random) -> Result<Occupancy, Error> {
         2 => sheet(random),
         _ => bodies(random, centre, size),
     };
-    if random.chance(0.35) {
+    if random.chance(0.5) {
         let amount = random.scale(0.15, 1.0);
-        let detail = waves(random, 24, 3.0, 14.0, 0.5);
+        let detail = waves(random, 24, 2.5, 14.0, 0.5);
         field = Box::new(move |p| field(p) + amount * detail(p));
     }
     if random.chance(0.25) {

@@ -156,6 +156,9 @@ impl Header {
         if !input.is_empty() {
             return Err(Error::Header("it is longer than it should be".into()));
         }
+        if labels.is_empty() != (content == 0) {
+            return Err(Error::Header("a label map has labels, and a volume has none".into()));
+        }
         Ok(Self {
             grid,
             space,

@@ -11,7 +11,7 @@ use crate::topology::window::{Model, ROWS, Window};
 /// Voxels that the network looks at: all of a [`Window`].
 pub const INPUTS: usize = 192;
 /// Hidden units of the network.
-pub const HIDDEN: usize = 24;
+pub const HIDDEN: usize = 32;
 /// The tables, the network, and a constant.
 const OPINIONS: usize = CONTEXTS + 2;
 
@@ -22,12 +22,12 @@ const PRIOR: [u8; 2 * Network::<INPUTS, HIDDEN>::PARAMETERS] = *include_bytes!("
 /// Bits after which a counter begins to forget.
 const MEMORY: u32 = 255;
 /// How fast the network learns, in units of 1/65536.
-const RATE: u32 = 400;
+const RATE: u32 = 200;
 /// How much the opinions weigh in the beginning, in units of 1/65536.
-const TABLE_WEIGHT: i32 = 4000;
-const NETWORK_WEIGHT: i32 = 52_000;
+const TABLE_WEIGHT: i32 = 2000;
+const NETWORK_WEIGHT: i32 = 58_000;
 /// How fast mixers and refinements learn.
-const MIXER_RATE: i32 = 2;
+const MIXER_RATE: i32 = 6;
 const REFINEMENT_SHIFT: u32 = 6;
 
 /// A network and tables, mixed.
