@@ -25,6 +25,7 @@
 //! The model is a table ([`topology::fast`]) or a [`network`] with tables beside it, weighed by a
 //! [`mixer`] ([`topology::dense`]). The [`coder`] makes bytes of bits and probabilities, and the decoder runs
 //! the very same code. A label map goes the same way ([`pack_labels`]), one question after another.
+//! [`geometry`] adds the places of the vertices, bit by bit.
 //! What a file holds byte by byte is in `docs/format.md`.
 //!
 //! Everything that decides a bit is a whole number, so that bytes are the same on every machine.

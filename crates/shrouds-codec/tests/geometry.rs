@@ -6,7 +6,7 @@ use shrouds::surface::Surface;
 use shrouds::volume::{Border, FaceRule, phantom};
 use shrouds::{Grid, Occupancy};
 use shrouds_codec::geometry::{MAX_PLANES, decode, encode};
-use shrouds_codec::{Error, Planes};
+use shrouds_codec::{Error, Planes, Settings, pack_with_planes, unpack};
 
 fn surface(dims: [usize; 3], spacing: [f64; 3], border: Border, faces: FaceRule) -> Surface {
     let grid = Grid::new(dims, spacing).unwrap();
@@ -120,6 +120,27 @@ fn a_damaged_plane_leaves_those_before_it() {
     assert_eq!((places.planes, &places.steps), (2, &whole.steps));
     assert_eq!(places.deltas(), whole.deltas());
     assert!(places.lost.unwrap().contains("plane 3"));
+}
+
+#[test]
+fn planes_go_through_a_file_and_its_beginning_is_a_coarser_model() {
+    let volume = phantom::linked_tori(24).unwrap();
+    let shroud = shrouds::shroud(&volume, &shrouds::Settings::default()).unwrap();
+    let coded = encode(&shroud.surface, &shroud.delta, 3).unwrap();
+    let mut file = Vec::new();
+    pack_with_planes(&volume, &Settings::default(), &coded, &mut file).unwrap();
+    for (length, planes) in [(file.len(), 3), (file.len() - 1, 2)] {
+        let unpacked = unpack(&file[..length]).unwrap();
+        let surface =
+            Surface::extract(&unpacked.volume, unpacked.header.faces, unpacked.header.border)
+                .unwrap();
+        let chunks: Vec<(&[u8], u32)> =
+            unpacked.planes.iter().map(|chunk| (&chunk.payload[..], chunk.decoded_sum)).collect();
+        let places = decode(&surface, &unpacked.header.plane_settings, &chunks);
+        assert_eq!((places.planes, unpacked.lost.is_some()), (planes, planes < 3));
+        let direct = decode(&shroud.surface, &coded.settings, &payloads(&coded)[..planes]);
+        assert_eq!(places, direct);
+    }
 }
 
 /// What the bytes of version 1 are: never to be changed.
