@@ -147,7 +147,7 @@ impl Model {
                 n += 2 + usize::from(!further);
             }
         }
-        // Where the first two curves leave four numbers, the widths of the box in voxels.
+        // The width of the interval; the inputs after it are always 0.
         self.inputs[52] = (width * 256 / ONE) as i32;
     }
 
