@@ -208,7 +208,7 @@ fn the_network_is_what_lattice_planes_cut() {
 fn the_length_of_a_section_is_that_of_its_triangles() {
     let mut next = random(5);
     for round in 0..200 {
-        let mut coordinate = || (next() * 4.0).floor();
+        let mut coordinate = || next() * 4.0;
         let vertices: Vec<[f64; 3]> =
             (0..12).map(|_| [coordinate(), coordinate(), coordinate()]).collect();
         let mut triangles: Vec<[u32; 3]> =
