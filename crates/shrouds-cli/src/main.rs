@@ -11,6 +11,7 @@ mod energies;
 mod failure;
 mod frame;
 mod input;
+mod lines;
 mod measure;
 mod output;
 mod picture;

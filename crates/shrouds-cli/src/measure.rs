@@ -28,6 +28,14 @@ pub(crate) fn roughness(mesh: &TriMesh) -> f64 {
     if lengths > 0.0 { (squares / lengths).sqrt().to_degrees() } else { 0.0 }
 }
 
+/// The mean length of the edges, as often as triangles have them; none if all are points.
+pub(crate) fn mean_edge(mesh: &TriMesh) -> Option<f64> {
+    let around = |[a, b, c]: [Vector; 3]| length(sub(b, a)) + length(sub(c, b)) + length(sub(a, c));
+    let sum: f64 = mesh.triangles.iter().map(|&t| around(mesh.corners(t))).sum();
+    let mean = sum / (3 * mesh.triangles.len()) as f64;
+    (mean > 0.0 && mean.is_finite()).then_some(mean)
+}
+
 /// The largest distance of a vertex from the middle of its grid edge, in edge lengths.
 pub(crate) fn largest_move(delta: &[f64]) -> f64 {
     delta.iter().map(|delta| (delta - 0.5).abs()).fold(0.0, f64::max)
@@ -81,6 +89,11 @@ mod tests {
         let expected = 90.0 * (edges / (edges + diagonals)).sqrt();
         assert!((roughness(&cube(sides)) - expected).abs() < 1e-9);
         assert_eq!(roughness(&TriMesh::default()), 0.0);
+        let edges = 4.0 * (a + b + c);
+        assert!(
+            (mean_edge(&cube(sides)).unwrap() - 2.0 * (edges + diagonals) / 36.0).abs() < 1e-12
+        );
+        assert_eq!(mean_edge(&TriMesh::default()), None);
         let mut flat = cube(sides);
         flat.vertices.iter_mut().for_each(|v| v[2] = 0.0);
         assert!(roughness(&flat).is_finite());

@@ -1,6 +1,7 @@
 //! What can be typed on the command line. These types stay here: [`crate::settings`] turns them into
 //! those of the libraries.
 
+mod lines;
 mod names;
 mod operations;
 mod pack;
@@ -14,9 +15,10 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::energies;
 
+pub(crate) use lines::{ContoursArgs, NetworkArgs};
 pub(crate) use names::{
-    Attribute, Axes, Border, Each, Faces, FrameChoice, Interpolation, Operation, Preset, Profile,
-    Solver, SurfaceKind, TriangleRule, VolumeRule, Winding,
+    Attribute, Axes, Border, Each, Faces, FrameChoice, Interpolation, Operation, PlaneAxis, Preset,
+    Profile, Solver, SurfaceKind, TriangleRule, VolumeRule, Winding,
 };
 pub(crate) use operations::{
     CleanArgs, CombineArgs, CropArgs, EditArgs, OffsetArgs, ResampleArgs, VoxelizeArgs, Window,
@@ -78,6 +80,12 @@ pub(crate) enum Verb {
     /// Shroud a volume with one energy after the other: a table and a contact sheet to choose by
     #[command(after_help = with_energies(verbs::COMPARE_HELP))]
     Compare(CompareArgs),
+    /// The slice curves of a volume's shroud, as lines
+    #[command(after_help = with_energies(lines::NETWORK_HELP))]
+    Network(NetworkArgs),
+    /// Cut a mesh, or the shroud of a volume, by planes: contours as lines, with lengths and areas
+    #[command(after_help = with_energies(lines::CONTOURS_HELP))]
+    Contours(ContoursArgs),
     /// Separate an image, or a slice of a volume: the same in two dimensions
     #[command(after_help = with_energies(polygon::POLYGON_HELP))]
     Polygon(PolygonArgs),

@@ -166,3 +166,43 @@ pub(crate) enum Winding {
     /// The odd ones: overlaps are empty
     Odd,
 }
+
+/// The axis across some planes.
+#[derive(ValueEnum, Serialize, Debug, Clone, Copy, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum PlaneAxis {
+    /// That of the coordinates
+    X,
+    /// That of the coordinates
+    Y,
+    /// That of the coordinates
+    Z,
+    /// The first of the volume's lattice
+    I,
+    /// The second of the lattice
+    J,
+    /// The third of the lattice: k = 12 is slice 12
+    K,
+}
+
+impl PlaneAxis {
+    /// 0, 1 or 2.
+    pub(crate) fn index(self) -> usize {
+        match self {
+            Self::X | Self::I => 0,
+            Self::Y | Self::J => 1,
+            Self::Z | Self::K => 2,
+        }
+    }
+
+    /// Whether it is that of a lattice.
+    pub(crate) fn is_of_lattice(self) -> bool {
+        matches!(self, Self::I | Self::J | Self::K)
+    }
+
+    /// As it is typed.
+    pub(crate) fn name(self) -> &'static str {
+        let names = if self.is_of_lattice() { ["i", "j", "k"] } else { ["x", "y", "z"] };
+        names[self.index()]
+    }
+}

@@ -18,7 +18,7 @@ Example, slice 12 of a segmentation as a picture:
 pub(crate) struct PolygonArgs {
     /// The image: a volume file, as for `shrouds mesh`
     pub(crate) input: PathBuf,
-    /// The file to write: a picture (.svg), lines (.obj), or polygons and report (.json)
+    /// The file to write: a picture (.svg), lines (.obj, or .vtp with length and area of each), or polygons and report (.json)
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
     /// Which slice of the volume, such as z=12: the axis across it and its index from 0 [default: the

@@ -2,11 +2,13 @@
 
 mod check;
 mod compare;
+mod contours;
 mod demo;
 mod edit;
 mod info;
 mod mesh;
 mod pack;
+mod network;
 mod polygon;
 mod render;
 mod unpack;
@@ -26,6 +28,8 @@ pub(crate) fn run(cli: &Cli) -> Result<(), Failure> {
         Verb::Info(args) => info::run(args, console),
         Verb::Render(args) => render::run(args, console),
         Verb::Compare(args) => compare::run(args, console),
+        Verb::Network(args) => network::run(args, console),
+        Verb::Contours(args) => contours::run(args, console),
         Verb::Polygon(args) => polygon::run(args, console),
         Verb::Combine(args) => edit::combine(args, console),
         Verb::Offset(args) => edit::offset(args, console),

@@ -8,7 +8,9 @@ use serde::Serialize;
 use shrouds::polygon::{Polygon, Separation, place, separate_observed};
 use shrouds::volume::Border;
 use shrouds::{Grid, Occupancy};
-use shrouds_io::{Line, MeshOptions, Precision, volume_format, write_atomically, write_lines};
+use shrouds_io::{
+    Attribute, Line, MeshOptions, Precision, volume_format, write_atomically, write_lines_with,
+};
 use shrouds_view::Plan;
 
 use crate::args::{
@@ -28,7 +30,7 @@ use crate::work;
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Format {
     Svg,
-    Obj,
+    Lines,
     Json,
 }
 
@@ -124,7 +126,7 @@ pub(crate) fn run(args: &PolygonArgs, console: Console) -> Result<(), Failure> {
     report.times.total = start.elapsed().as_secs_f64();
     match format {
         Format::Svg => write_svg(&args.output, &image, &found)?,
-        Format::Obj => write_obj(&args.output, &found.polygons, &source, job.frame)?,
+        Format::Lines => write_polygons(&args.output, &found.polygons, &source, job.frame)?,
         Format::Json => {
             let polygons = found.polygons.iter().map(PolygonReport::new).collect();
             write_json(&args.output, &Document { report: &report, polygons })?;
@@ -163,10 +165,10 @@ fn format(path: &Path) -> Result<Format, Failure> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     match extension.as_str() {
         "svg" => Ok(Format::Svg),
-        "obj" => Ok(Format::Obj),
+        "obj" | "vtp" => Ok(Format::Lines),
         "json" => Ok(Format::Json),
         _ => {
-            let message = "not a known kind of file by its name; polygons are written to .svg, .obj and .json";
+            let message = "not a known kind of file by its name; polygons are written to .svg, .obj, .vtp and .json";
             Err(Failure::Call(format!("{}: {message}", path.display())))
         }
     }
@@ -229,7 +231,7 @@ fn write_svg(path: &Path, image: &Occupancy, found: &Separation) -> Result<(), F
     Ok(write_atomically(path, |writer| writer.write_all(svg.as_bytes()))?)
 }
 
-fn write_obj(
+fn write_polygons(
     path: &Path,
     polygons: &[Polygon],
     source: &Source,
@@ -237,9 +239,15 @@ fn write_obj(
 ) -> Result<(), Failure> {
     let lines: Vec<Line> =
         polygons.iter().map(|p| Line { points: &p.points, closed: p.closed }).collect();
+    let numbers = |of: fn(&Polygon) -> f64| -> Vec<f32> {
+        polygons.iter().map(|polygon| of(polygon) as f32).collect()
+    };
+    let columns = [("length", numbers(|p| p.length)), ("area", numbers(|p| p.area))];
+    let attributes: Vec<Attribute> =
+        columns.iter().map(|(name, values)| Attribute { name, values }).collect();
     let frame = Some(frame::name(choice, &source.frame));
     let options = MeshOptions { precision: Precision::Double, frame };
-    Ok(write_lines(path, &lines, &options)?)
+    Ok(write_lines_with(path, &lines, &attributes, &options)?)
 }
 
 impl Geometry {

@@ -1,8 +1,14 @@
-//! Stage 7 of 7, measure: in placed vertices and their network, out what can be said about the
-//! surface.
+//! Stage 7 of 7, measure: in placed vertices and their network, or any mesh, out what can be said
+//! about the surface.
 //!
-//! Uses: `network`.
+//! Uses: `grid`, `surface`, `network`, `mesh`.
 
+mod contours;
 mod curvature;
+mod fairness;
+mod planes;
 
+pub use contours::{Contour, contours, network_contours};
 pub use curvature::{Curvature, curvatures};
+pub use fairness::{Fairness, fairness};
+pub use planes::Planes;
