@@ -6,9 +6,11 @@
 mod contours;
 mod curvature;
 mod fairness;
+mod integrals;
 mod planes;
 
 pub use contours::{Contour, contours, network_contours};
 pub use curvature::{Curvature, curvatures};
 pub use fairness::{Fairness, fairness};
+pub use integrals::{Integrals, PrincipalAxes, integrals};
 pub use planes::Planes;
