@@ -32,6 +32,8 @@ pub(super) enum Shared {
     /// This part of their mean energy, see
     /// [`CurveFormula::barrier`](crate::energy::CurveFormula::barrier).
     ByEnergy(f64),
+    /// This part of a mean energy that is known.
+    OfMean(f64, f64),
     /// Whatever their energy.
     Fixed(f64),
 }
@@ -53,15 +55,20 @@ impl Barrier {
         flatness: &[f32],
         energy_of: impl Fn(usize) -> f64 + Sync,
     ) {
-        let (Shared::ByEnergy(strength) | Shared::Fixed(strength)) = shared;
+        let (Shared::ByEnergy(strength) | Shared::OfMean(strength, _) | Shared::Fixed(strength)) =
+            shared;
         self.is_set = strength > 0.0;
         if !self.is_set {
             return;
         }
         let count = self.strengths.len();
-        let sum = parallel::sum_blocks(count, |range| range.map(&energy_of).sum::<f64>());
+        let mean = || {
+            let sum = parallel::sum_blocks(count, |range| range.map(&energy_of).sum::<f64>());
+            sum / count.max(1) as f64
+        };
         let shared = match shared {
-            Shared::ByEnergy(part) => (part * sum / count.max(1) as f64).min(SHARED_CAP),
+            Shared::ByEnergy(part) => (part * mean()).min(SHARED_CAP),
+            Shared::OfMean(part, mean) => (part * mean).min(SHARED_CAP),
             Shared::Fixed(strength) => strength,
         };
         parallel::fill(&mut self.strengths, |v| {

@@ -23,6 +23,9 @@ pub(super) struct Model<R> {
     far: Vec<f32>,
     third: Vec<f32>,
     support: Support,
+    /// What every place has of the energy and adds to gradient and diagonal.
+    parts: Vec<Part<R>>,
+    squares: Vec<f32>,
 }
 
 impl<R: Real> Model<R> {
@@ -35,14 +38,16 @@ impl<R: Real> Model<R> {
             far: vec![0.0; places],
             third: vec![0.0; places],
             support: Support::Neighbours,
+            parts: vec![Part::default(); places],
+            squares: vec![0.0; places],
         }
     }
 
     /// Sets gradient and matrix to those at `x`; returns the energy there.
     pub(super) fn linearise(&mut self, problem: &Problem<R>, x: &[R]) -> Value {
-        let parts = self.linearise_curves(problem, x);
-        self.gather(problem, x, &parts);
-        parts.energy + problem.barrier_value(x)
+        let energy = self.linearise_curves(problem, x);
+        self.gather(problem, x);
+        energy + problem.barrier_value(x)
     }
 
     /// The same after setting the barrier to what the energy of the curves asks for.
@@ -51,18 +56,22 @@ impl<R: Real> Model<R> {
         problem: &mut Problem<R>,
         x: &[R],
     ) -> Value {
-        let parts = self.linearise_curves(problem, x);
-        problem.set_barrier(|place| parts.parts[place].rho);
-        self.gather(problem, x, &parts);
-        parts.energy + problem.barrier_value(x)
+        let energy = self.linearise_curves(problem, x);
+        problem.set_barrier(|place| self.parts[place].rho);
+        self.gather(problem, x);
+        energy + problem.barrier_value(x)
     }
 
-    fn linearise_curves(&mut self, problem: &Problem<R>, x: &[R]) -> Parts<R> {
-        let places = self.near.len();
-        let (mut parts, mut squares) = (vec![Part::default(); places], vec![0.0f32; places]);
+    /// What the vertices have of the energy of the curves where the model stands, those that are
+    /// fixed left out; as [`Problem::set_barrier`] takes it.
+    pub(super) fn energy_of_vertices(&self, problem: &Problem<R>) -> f64 {
+        problem.sum_over_free_vertices(|place| self.parts[place].rho)
+    }
+
+    fn linearise_curves(&mut self, problem: &Problem<R>, x: &[R]) -> Value {
         self.support = problem.support();
-        let arrays = [&mut squares[..], &mut self.near, &mut self.far, &mut self.third];
-        let energy = parallel::update_blocks(&mut parts, arrays, |first, parts, matrix| {
+        let arrays = [&mut self.squares[..], &mut self.near, &mut self.far, &mut self.third];
+        parallel::update_blocks(&mut self.parts, arrays, |first, parts, matrix| {
             let [squares, near, far, third] = matrix;
             let range = first..first + parts.len();
             let mut terms = Terms::new();
@@ -78,13 +87,12 @@ impl<R: Real> Model<R> {
                 }
             });
             problem.sum_over_curves(range, |place| parts[place - first].rho)
-        });
-        Parts { energy, parts, squares }
+        })
     }
 
     /// Gradient and diagonal from the parts at both places of every vertex and the barrier.
-    fn gather(&mut self, problem: &Problem<R>, x: &[R], parts: &Parts<R>) {
-        let Parts { parts, squares, .. } = parts;
+    fn gather(&mut self, problem: &Problem<R>, x: &[R]) {
+        let (parts, squares) = (&self.parts, &self.squares);
         let network = problem.network;
         let diagonal = [&mut self.diagonal[..]];
         parallel::update_blocks(&mut self.gradient, diagonal, |first, gradient, [diagonal]| {
@@ -160,13 +168,6 @@ impl<R: Real> Model<R> {
             0.0
         });
     }
-}
-
-/// Energy of the curves, and what every place adds to the gradient and the diagonal at its vertex.
-struct Parts<R> {
-    energy: Value,
-    parts: Vec<Part<R>>,
-    squares: Vec<f32>,
 }
 
 /// What a place has of the energy, and what it adds to the gradient at its vertex.

@@ -29,6 +29,9 @@ pub(super) struct Conditions<'a> {
     /// See [`flatness`](crate::optimize::flat::flatness).
     pub(super) flatness: &'a [f32],
     pub(super) creases: Option<Creases<'a>>,
+    /// The mean energy of the vertices of the whole surface, where the problem has a part of it only:
+    /// what the barrier follows must not depend on where the surface is cut.
+    pub(super) mean_energy: Option<f64>,
     /// What pulls every vertex up its grid edge, or nothing.
     pub(super) forces: Option<&'a [f32]>,
 }
@@ -43,7 +46,7 @@ impl<'a> Conditions<'a> {
         let grid = surface.grid();
         let spacing = grid.spacing().map(|h| h / grid.min_spacing());
         let bounds = [settings.margin, 1.0 - settings.margin];
-        Self { energy, spacing, bounds, flatness, creases: None, forces: None }
+        Self { energy, spacing, bounds, flatness, creases: None, mean_energy: None, forces: None }
     }
 }
 
@@ -56,6 +59,8 @@ pub(super) struct Problem<'a, R> {
     pub(super) lengths: Lengths<R>,
     pub(super) bounds: [R; 2],
     pub(super) barrier: Barrier,
+    /// See [`Conditions`].
+    mean_energy: Option<f64>,
     /// How surely every vertex lies on a flat face along the grid.
     flatness: Vec<f32>,
     creases: Option<Creases<'a>>,
@@ -119,6 +124,7 @@ impl<'a, R: Real> Problem<'a, R> {
             creases: conditions.creases,
             thinness: conditions.creases.map(|creases| local(creases.thinness)).unwrap_or_default(),
             barrier: Barrier::none(network.vertex_count()),
+            mean_energy: conditions.mean_energy,
             is_fixed: vec![false; network.vertex_count()],
             has_fixed: false,
         };
@@ -202,18 +208,21 @@ impl<'a, R: Real> Problem<'a, R> {
     /// Sets the barrier for a surface whose places have these energies.
     pub(super) fn set_barrier(&mut self, of_place: impl Fn(usize) -> R + Sync) {
         let network = self.network;
-        // With what its neighbours have: on a thin ribbon only the rims curve.
-        let near = |place: u32| {
-            let place = place as usize;
-            let near = [place - 1, place, place + 1].map(|place| of_place(place).to_f64());
-            near.into_iter().fold(0.0, f64::max)
-        };
-        let of_vertex = |v: usize| network.places()[v].iter().map(|&place| near(place)).sum();
-        let shared = match self.creases {
-            Some(creases) => Shared::Fixed(creases.barrier),
-            None => Shared::ByEnergy(self.energy.barrier()),
+        let of_vertex = |v| energy_of_vertex(network, v, &of_place);
+        let shared = match (self.creases, self.mean_energy) {
+            (Some(creases), _) => Shared::Fixed(creases.barrier),
+            (None, Some(mean)) => Shared::OfMean(self.energy.barrier(), mean),
+            (None, None) => Shared::ByEnergy(self.energy.barrier()),
         };
         self.barrier.set(shared, &self.flatness, of_vertex);
+    }
+
+    /// The energies that the barrier goes by, of all vertices that are not fixed.
+    pub(super) fn sum_over_free_vertices(&self, of_place: impl Fn(usize) -> R + Sync) -> f64 {
+        parallel::sum_blocks(self.network.vertex_count(), |range| {
+            let free = range.filter(|&v| !self.is_fixed[v]);
+            free.map(|v| energy_of_vertex(self.network, v, &of_place)).sum::<f64>()
+        })
     }
 
     /// [`Problem::slopes`], place by place.
@@ -419,6 +428,21 @@ impl<R: Real> WeightedPart<'_, R> {
     pub(super) fn weights(&self, places: Range<usize>) -> &[R] {
         &self.weights[places]
     }
+}
+
+/// The energy of a vertex from those of the places, each with what its neighbours have: on a thin
+/// ribbon only the rims curve.
+fn energy_of_vertex<R: Real>(
+    network: &Network,
+    v: usize,
+    of_place: &(impl Fn(usize) -> R + Sync),
+) -> f64 {
+    let near = |place: u32| {
+        let place = place as usize;
+        let near = [place - 1, place, place + 1].map(|place| of_place(place).to_f64());
+        near.into_iter().fold(0.0, f64::max)
+    };
+    network.places()[v].iter().map(|&place| near(place)).sum()
 }
 
 /// See [`Problem::mark_places`]: squared lengths and cosines.

@@ -25,6 +25,8 @@ pub(super) struct Relaxed {
     pub(super) stationarity: Stationarity,
     /// See [`Problem::slopes`](crate::optimize::problem::Problem::slopes).
     pub(super) slopes: Vec<[f32; 2]>,
+    /// See [`Conditions`].
+    pub(super) mean_energy: Option<f64>,
 }
 
 impl Relaxed {
@@ -33,6 +35,7 @@ impl Relaxed {
             rounds: Vec::new(),
             stationarity: Stationarity::default(),
             slopes: vec![[0.0; 2]; vertices],
+            mean_energy: None,
         }
     }
 
@@ -55,6 +58,7 @@ pub(super) fn relax<R: Real>(
     x: &mut [R],
     observer: &mut Observer,
 ) -> Relaxed {
+    let conditions = *conditions;
     let mut work = Work { surface, conditions, least: 0.0, relaxed: Relaxed::new(x.len()) };
     match passes {
         Passes::Fixed(passes) => work.make_all(passes, most_steps, x, observer),
@@ -62,13 +66,13 @@ pub(super) fn relax<R: Real>(
             work.converge(tolerance, most_steps.min(own_most), x, observer);
         }
     }
-    work.relaxed
+    Relaxed { mean_energy: work.conditions.mean_energy, ..work.relaxed }
 }
 
 /// A surface with what was found out about it so far.
 struct Work<'a> {
     surface: &'a Surface,
-    conditions: &'a Conditions<'a>,
+    conditions: Conditions<'a>,
     /// See [`visit`].
     least: f64,
     relaxed: Relaxed,
@@ -106,7 +110,7 @@ impl Work<'_> {
             let pass = self.make(pass, passes, n % 2 == 1, x, &mut |pass, fraction| {
                 observer(pass.progress(n + 1, 0.0, share(fraction))).is_break()
             });
-            if self.take(pass) == Status::Cancelled {
+            if self.take(pass, x.len()) == Status::Cancelled {
                 return;
             }
         }
@@ -140,7 +144,7 @@ impl Work<'_> {
             }
             let is_last =
                 pass.status != Status::IterationLimit || done + pass.steps() >= most_steps;
-            self.take(pass);
+            self.take(pass, x.len());
             if is_last {
                 break;
             }
@@ -169,7 +173,7 @@ impl Work<'_> {
         x: &mut [R],
         stop: &mut dyn FnMut(&Pass, f64) -> bool,
     ) -> Pass {
-        let (surface, conditions, least) = (self.surface, self.conditions, self.least);
+        let (surface, conditions, least) = (self.surface, &self.conditions, self.least);
         let colours = match self.is_one_tile(x.len()) {
             true => [vec![TileRows::all(surface)], Vec::new(), Vec::new(), Vec::new()],
             false => partition(surface, TILE, shifted),
@@ -194,9 +198,12 @@ impl Work<'_> {
         pass
     }
 
-    /// Takes in what a pass brought.
-    fn take(&mut self, pass: Pass) -> Status {
+    /// Takes in what a pass over so many vertices brought.
+    fn take(&mut self, pass: Pass, vertices: usize) -> Status {
         let status = pass.status;
+        if !self.is_one_tile(vertices) {
+            self.conditions.mean_energy = Some(pass.energy_of_vertices / vertices as f64);
+        }
         self.relaxed.stationarity = pass.stationarity;
         self.relaxed.rounds.extend(pass.into_rounds());
         status
@@ -211,6 +218,8 @@ struct Pass {
     most_steps: usize,
     /// See [`Visit::first_move`].
     first_move: f64,
+    /// See [`Visit::energy_of_vertices`].
+    energy_of_vertices: f64,
     stationarity: Stationarity,
     status: Status,
 }
@@ -221,6 +230,7 @@ impl Pass {
             energies: passes.iter().map(|steps| vec![0.0; steps.len() + 1]).collect(),
             most_steps: 0,
             first_move: 0.0,
+            energy_of_vertices: 0.0,
             stationarity: Stationarity::default(),
             status,
         }
@@ -228,6 +238,7 @@ impl Pass {
 
     fn add<R>(&mut self, visit: Visit<R>) {
         self.first_move += visit.first_move;
+        self.energy_of_vertices += visit.energy_of_vertices;
         let steps = visit.energies.last().map_or(0, |energies| energies.len() - 1);
         self.most_steps = self.most_steps.max(steps);
         for (sums, found) in self.energies.iter_mut().zip(visit.energies) {

@@ -15,6 +15,8 @@ pub(super) struct Visit<R> {
     pub(super) energies: Vec<Vec<f64>>,
     /// The sum of the squares of what the first step of the last pass moved, in edge lengths.
     pub(super) first_move: f64,
+    /// See [`Model::energy_of_vertices`](crate::optimize::model::Model::energy_of_vertices).
+    pub(super) energy_of_vertices: f64,
     pub(super) stationarity: Stationarity,
     /// See [`Problem::slopes`].
     pub(super) slopes: Vec<[f32; 2]>,
@@ -58,5 +60,6 @@ pub(super) fn visit<R: Real>(
     }
     let stationarity = Stationarity::of(&newton.model, &x, problem.bounds, &problem.is_fixed);
     let slopes = problem.slopes(&x);
-    Visit { x, energies, first_move, stationarity, slopes }
+    let energy_of_vertices = newton.model.energy_of_vertices(&problem);
+    Visit { x, energies, first_move, energy_of_vertices, stationarity, slopes }
 }
