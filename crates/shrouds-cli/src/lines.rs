@@ -48,7 +48,7 @@ pub(crate) fn every(
     let Some([low, high]) = planes.range(mesh) else { return Ok(planes) };
     let [first, last] = [((low - offset) / distance).ceil(), ((high - offset) / distance).floor()];
     let count = last - first + 1.0;
-    if !(count <= MOST) {
+    if count.is_nan() || count > MOST {
         return Err(Failure::Call(format!(
             "planes {distance} apart are {count:.0} through this surface, from {low} to {high}: more than {MOST}; put them farther apart"
         )));

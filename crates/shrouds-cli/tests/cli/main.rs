@@ -11,6 +11,7 @@ mod check;
 mod compare;
 mod edit;
 mod labels;
+mod lines;
 mod mesh;
 mod pack;
 mod polygon;

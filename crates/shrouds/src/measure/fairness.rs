@@ -68,7 +68,7 @@ pub fn fairness(mesh: &TriMesh, step: f64) -> Result<Fairness, Error> {
     let mut bending = 0.0;
     for (axis, [low, high]) in bounds.into_iter().enumerate() {
         let count = ((high - low) / step).ceil();
-        if !(count >= 1.0) {
+        if count.is_nan() || count < 1.0 {
             continue;
         }
         let distance = (high - low) / count;
@@ -90,7 +90,7 @@ fn bending_of(chain: &Chain, mesh: &TriMesh, axis: usize, step: f64) -> f64 {
     let least = if chain.closed { 4.0 } else { 1.0 };
     let count = (whole / step).round().max(least);
     let stride = whole / count;
-    if !(stride > 0.0) {
+    if stride.is_nan() || stride <= 0.0 {
         return 0.0;
     }
     let count = count as usize;
