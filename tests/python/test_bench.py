@@ -45,7 +45,9 @@ def test_the_document_has_a_place_for_every_table():
     marks = re.findall(r"<!-- bench (\S+) -->\n.*?<!-- /bench \1 -->", text, re.DOTALL)
     names = ["speed", "stages", "midpoint", "threads", "program"]
     large = [f"{name}-large" for name in names]
-    assert sorted(marks) == sorted([*names, *large, "growth", "accuracy-primal", "accuracy-dual"])
+    accuracy = ["growth", "accuracy-primal", "accuracy-dual"]
+    compression = ["compression-size", "compression-labels", "compression-speed"]
+    assert sorted(marks) == sorted([*names, *large, *accuracy, *compression])
 
 
 def test_a_worker_that_stops_is_named():
