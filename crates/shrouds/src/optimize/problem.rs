@@ -3,7 +3,7 @@
 use std::iter::Sum;
 use std::ops::{Add, Range};
 
-use crate::energy::{CurveEnergy, Energy, LANES, Lanes, Support};
+use crate::energy::{CurveEnergy, Energy, LANES, Support};
 use crate::network::{Network, REPEATED, Step};
 use crate::optimize::barrier::{Barrier, Shared};
 use crate::optimize::crease::{self, Creases};
@@ -231,7 +231,7 @@ impl<'a, R: Real> Problem<'a, R> {
         parallel::update_blocks(&mut slopes, NONE, |first, slopes, []| {
             self.strips(x, first..first + slopes.len(), |strip, places| {
                 for n in (0..places.len()).step_by(LANES) {
-                    let values = slopes_along(strip, n + REPEATED);
+                    let values = strip.slopes(n + REPEATED);
                     let out = places.start - first + n;
                     let count = LANES.min(places.len() - n);
                     slopes[out..out + count].copy_from_slice(&values[..count]);
@@ -398,7 +398,7 @@ impl<'a, R: Real> Problem<'a, R> {
         parallel::update_blocks(&mut marks, NONE, |first, marks, []| {
             self.strips(x, first..first + marks.len(), |strip, places| {
                 for n in (0..places.len()).step_by(LANES) {
-                    let (lengths, cosines) = turnings(strip, n + REPEATED);
+                    let (lengths, cosines) = strip.turnings(n + REPEATED);
                     let mut values = [M::default(); LANES];
                     for l in 0..LANES {
                         values[l] = mark(lengths[l], cosines[l]);
@@ -443,48 +443,6 @@ fn energy_of_vertex<R: Real>(
         near.into_iter().fold(0.0, f64::max)
     };
     network.places()[v].iter().map(|&place| near(place)).sum()
-}
-
-/// See [`Problem::mark_places`]: squared lengths and cosines.
-#[inline(always)]
-fn turnings<R: Real>(strip: &Strip<R>, n: usize) -> (Lanes<f32>, Lanes<f32>) {
-    let (before, after) = (single(strip.chords(n - 1)), single(strip.chords(n)));
-    let (mut lengths, mut cosines) = ([0.0; LANES], [0.0; LANES]);
-    for l in 0..LANES {
-        let [a, b] = [[before[0][l], before[1][l]], [after[0][l], after[1][l]]];
-        let (l0, l1) = (a[0] * a[0] + a[1] * a[1], b[0] * b[0] + b[1] * b[1]);
-        lengths[l] = if l0 < l1 { l0 } else { l1 };
-        cosines[l] = (a[0] * b[0] + a[1] * b[1]) / (l0 * l1).sqrt();
-    }
-    (lengths, cosines)
-}
-
-#[inline(always)]
-fn single<R: Real>([u, v]: [Lanes<R>; 2]) -> [Lanes<f32>; 2] {
-    let mut single = [[0.0; LANES]; 2];
-    for l in 0..LANES {
-        single[0][l] = u[l].to_f64() as f32;
-        single[1][l] = v[l].to_f64() as f32;
-    }
-    single
-}
-
-/// See [`Problem::slopes`].
-#[inline(always)]
-fn slopes_along<R: Real>(strip: &Strip<R>, n: usize) -> Lanes<R> {
-    let (before, after, moves) = (strip.chords(n - 1), strip.chords(n), strip.moves(n));
-    let mut slopes = [R::default(); LANES];
-    for l in 0..LANES {
-        let [a, b] = [[before[0][l], before[1][l]], [after[0][l], after[1][l]]];
-        // Both tangents at a vertex are weighted by the inverse of their chords' squared lengths;
-        // only the ratio matters, so by the other's.
-        let (wb, wa) = (a[0] * a[0] + a[1] * a[1], b[0] * b[0] + b[1] * b[1]);
-        let tangent = [wa * a[0] + wb * b[0], wa * a[1] + wb * b[1]];
-        let along = tangent[0] * moves[0][l] + tangent[1] * moves[1][l];
-        let across = tangent[0] * moves[1][l] + tangent[1] * moves[0][l];
-        slopes[l] = along / across;
-    }
-    slopes
 }
 
 /// The sum, in partial sums side by side.

@@ -213,3 +213,49 @@ fn sum<R: Real>(mut a: Lanes<R>, b: Lanes<R>) -> Lanes<R> {
     }
     a
 }
+
+impl<R: Real> Strip<R> {
+    /// The smaller squared length of the chords before and after each of some places, and the cosine
+    /// between them.
+    #[inline(always)]
+    pub(super) fn turnings(&self, n: usize) -> (Lanes<f32>, Lanes<f32>) {
+        let (before, after) = (single(self.chords(n - 1)), single(self.chords(n)));
+        let (mut lengths, mut cosines) = ([0.0; LANES], [0.0; LANES]);
+        for l in 0..LANES {
+            let [a, b] = [[before[0][l], before[1][l]], [after[0][l], after[1][l]]];
+            let (l0, l1) = (a[0] * a[0] + a[1] * a[1], b[0] * b[0] + b[1] * b[1]);
+            lengths[l] = if l0 < l1 { l0 } else { l1 };
+            cosines[l] = (a[0] * b[0] + a[1] * b[1]) / (l0 * l1).sqrt();
+        }
+        (lengths, cosines)
+    }
+
+    /// The slopes of the curves over the grid edges of some places, see
+    /// [`Problem::slopes`](crate::optimize::problem::Problem::slopes).
+    #[inline(always)]
+    pub(super) fn slopes(&self, n: usize) -> Lanes<R> {
+        let (before, after, moves) = (self.chords(n - 1), self.chords(n), self.moves(n));
+        let mut slopes = [R::default(); LANES];
+        for l in 0..LANES {
+            let [a, b] = [[before[0][l], before[1][l]], [after[0][l], after[1][l]]];
+            // Both tangents at a vertex are weighted by the inverse of their chords' squared lengths;
+            // only the ratio matters, so by the other's.
+            let (wb, wa) = (a[0] * a[0] + a[1] * a[1], b[0] * b[0] + b[1] * b[1]);
+            let tangent = [wa * a[0] + wb * b[0], wa * a[1] + wb * b[1]];
+            let along = tangent[0] * moves[0][l] + tangent[1] * moves[1][l];
+            let across = tangent[0] * moves[1][l] + tangent[1] * moves[0][l];
+            slopes[l] = along / across;
+        }
+        slopes
+    }
+}
+
+#[inline(always)]
+fn single<R: Real>([u, v]: [Lanes<R>; 2]) -> [Lanes<f32>; 2] {
+    let mut single = [[0.0; LANES]; 2];
+    for l in 0..LANES {
+        single[0][l] = u[l].to_f64() as f32;
+        single[1][l] = v[l].to_f64() as f32;
+    }
+    single
+}
