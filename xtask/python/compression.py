@@ -8,47 +8,38 @@ the whole output for the others. JBIG1 is there where `pbmtojbg` (Debian: jbigki
 import argparse
 import datetime
 import gzip
-import io
 import json
 import lzma
 import re
 import shutil
 import subprocess
-import tarfile
 from pathlib import Path
 
+import compression_geometry
 import compresso
 import crackle
 import nibabel
 import numpy as np
 import zstandard
-from unpack import members
+from compression_volumes import VOLUMES, made
+from markdown import table
 
-MAPS = "nilearn/nilearn/datasets/data/mni_icbm152_{}_tal_nlin_sym_09a_converted.nii.gz"
 AAL = "mricron-data/usr/share/mricron/templates/aal.nii.gz"
-# Hounsfield units above which tissue is bone, as InVesalius has it.
-BONE = 226
 
 
 def main():
     parser = argparse.ArgumentParser()
-    for name in ("program", "tool", "data", "folder", "document"):
+    for name in ("program", "topology", "geometry", "data", "folder", "document"):
         parser.add_argument(f"--{name}", type=Path, required=True)
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
-    volumes = {}
-    for name, make in VOLUMES.items():
-        path = options.folder / f"{name}.npy"
-        try:
-            make(options, path)
-            volumes[name] = path
-        except FileNotFoundError as missing:
-            print(f"without {name}: {missing}")
+    volumes = made(options, VOLUMES)
     rows = {name: measured(options, path) for name, path in volumes.items()}
     tables = {"compression-size": sizes(rows), "compression-speed": speeds(rows)}
     labels = options.data / AAL
     if labels.exists():
         tables["compression-labels"] = label_table(options, labels)
+    tables |= compression_geometry.tables(options)
     stamp = f"*{datetime.date.today()}, CPU of one thread.*"
     text = options.document.read_text()
     for name, table in tables.items():
@@ -59,95 +50,9 @@ def main():
     options.document.write_text(text)
 
 
-def from_package(options, package, ending):
-    """The bytes of a file in a package that `cargo xtask data --all` fetched."""
-    for archive in (options.data / "packages").glob(f"{package}_*.deb"):
-        found = inside(str(archive), b"", ending)
-        if found is not None:
-            return found
-    raise FileNotFoundError(f"{ending} of the package {package}")
-
-
-def inside(name, data, ending):
-    """The bytes of a file in an archive, or in an archive within it."""
-    for path, read in members(name, data):
-        if path.endswith(ending):
-            return read()
-        if path.endswith((".tar.gz", ".tgz")):
-            found = inside(path, read(), ending)
-            if found is not None:
-                return found
-    return None
-
-
-def read_off(data):
-    """The vertices and triangles of an OFF file."""
-    lines = (line.split("#")[0] for line in data.decode().splitlines())
-    words = " ".join(lines).split()
-    vertices, faces = int(words[1]), int(words[2])
-    points = np.array(words[4 : 4 + 3 * vertices], float).reshape(-1, 3)
-    at, triangles = 4 + 3 * vertices, []
-    for _ in range(faces):
-        count = int(words[at])
-        corners = [int(word) for word in words[at + 1 : at + 1 + count]]
-        triangles += [(corners[0], corners[n], corners[n + 1]) for n in range(1, count - 1)]
-        at += 1 + count
-    return points, np.array(triangles)
-
-
-def fitted(options, path, mesh, dims, stretched):
-    """The voxels inside a mesh that stands upright (y to z) and fills a lattice but for two voxels."""
-    points, triangles = read_off(from_package(options, "libcgal-demo", f"/meshes/{mesh}"))
-    points = points[:, [0, 2, 1]]
-    low, high, dims = points.min(0), points.max(0), np.array(dims)
-    scale = (dims - 5) / (high - low)
-    scale = scale if stretched else scale.min()
-    # Off the lattice points by something without a meaning.
-    points = (points - (low + high) / 2) * scale + (dims - 1) / 2 + [0.01317, 0.02711, 0.00733]
-    faces = np.empty(len(triangles), [("count", "u1"), ("corners", "<i4", 3)])
-    faces["count"], faces["corners"] = 3, triangles
-    header = (
-        f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\nproperty double x\n"
-        f"property double y\nproperty double z\nelement face {len(faces)}\n"
-        "property list uchar int vertex_indices\nend_header\n"
-    )
-    ply, like = path.with_suffix(".ply"), path.with_suffix(".like.npy")
-    ply.write_bytes(header.encode() + points.astype("<f8").tobytes() + faces.tobytes())
-    np.save(like, np.zeros(dims[::-1], np.uint8))
-    command = [options.program, "voxelize", ply, "--like", like, "-o", path, "--quiet"]
-    subprocess.run(command, check=True)
-
-
-def brain(options, path, parts):
-    """Where maps of tissue say more than one half together."""
-    total = sum(
-        np.asarray(nibabel.load(options.data / MAPS.format(part)).dataobj, float) for part in parts
-    )
-    np.save(path, np.ascontiguousarray((total > 127.5).T.astype(np.uint8)))
-
-
-def skull(options, path):
-    """Bone in the computed tomography of a head."""
-    project = from_package(options, "invesalius-examples", "/Cranium.inv3")
-    with tarfile.open(fileobj=io.BytesIO(project)) as archive:
-        name = next(name for name in archive.getnames() if name.endswith("matrix.dat"))
-        values = np.frombuffer(archive.extractfile(name).read(), "<i2").reshape(108, 256, 256)
-    np.save(path, (values > BONE).astype(np.uint8))
-
-
-VOLUMES = {
-    "bunny128": lambda o, path: fitted(o, path, "bunny00.off", (128, 128, 128), False),
-    "bunny256": lambda o, path: fitted(o, path, "bunny00.off", (256, 256, 256), False),
-    "figure": lambda o, path: fitted(o, path, "armadillo.off", (100, 300, 100), True),
-    "brain": lambda o, path: brain(o, path, ["gm", "wm"]),
-    "grey matter": lambda o, path: brain(o, path, ["gm"]),
-    "skull": skull,
-}
-
-
 def measured(options, path):
     """What every coder makes of a volume."""
-    line = json.loads(subprocess.run([options.tool, path], capture_output=True, check=True).stdout)
+    line = json.loads(subprocess.run([options.topology, path], capture_output=True, check=True).stdout)
     volume = np.load(path)
     bits = np.packbits(volume, axis=2)
     line["gzip -9"] = len(gzip.compress(bits.tobytes(), 9))
@@ -171,11 +76,6 @@ CODERS = [
     "gzip -9", "zstd -19", "xz -9", "compresso, then xz", "crackle, then xz", "JBIG1",
     "16 neighbours", "`fast`", "`dense`",
 ]  # fmt: skip
-
-
-def table(head, rows):
-    lines = [head, ["---"] + ["---:"] * (len(head) - 1), *rows]
-    return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
 
 
 def sizes(rows):
@@ -206,7 +106,7 @@ def speeds(rows):
 
 def label_table(options, path):
     """All labels of an atlas one by one, and together as a map."""
-    done = subprocess.run([options.tool, "--each", path], capture_output=True, check=True)
+    done = subprocess.run([options.topology, "--each", path], capture_output=True, check=True)
     each = [json.loads(line) for line in done.stdout.splitlines()]
     worst = max(line["dense"]["topology"] / line["sixteen"] for line in each)
     values = np.asarray(nibabel.load(path).dataobj).astype(np.uint8, order="F")

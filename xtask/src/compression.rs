@@ -8,7 +8,13 @@ use crate::{cargo, program, python, root, run as execute, target};
 
 /// What the script compares with, beside what comes with Python; JBIG1 is the program `pbmtojbg` of the
 /// Debian package `jbigkit-bin`.
-const PEERS: [&str; 3] = ["compresso==3.3.3", "crackle-codec==0.55.0", "zstandard==0.25.0"];
+const PEERS: [&str; 5] = [
+    "compresso==3.3.3",
+    "crackle-codec==0.55.0",
+    "DracoPy==2.2.0",
+    "meshoptimizer==0.2.30a0",
+    "zstandard==0.25.0",
+];
 
 /// Where the prior of the profile `dense` lies.
 const PRIOR: &str = "crates/shrouds-codec/src/topology/prior.bin";
@@ -16,15 +22,18 @@ const PRIOR: &str = "crates/shrouds-codec/src/topology/prior.bin";
 /// Rewrites the tables of compression in docs/benchmarks.md.
 pub(crate) fn run() -> Result<()> {
     execute(&mut cargo("build --release --package shrouds-cli"))?;
-    execute(&mut cargo("build --release --package shrouds-codec --example topology"))?;
+    execute(&mut cargo("build --release --package shrouds-codec --examples"))?;
     let interpreter = python::environment()?;
     python::install(&interpreter, &PEERS)?;
-    let name = format!("topology{}", std::env::consts::EXE_SUFFIX);
+    let example = |name: &str| {
+        target().join("release/examples").join(format!("{name}{}", std::env::consts::EXE_SUFFIX))
+    };
     let mut command = Command::new(interpreter);
     command.args(["-B", "xtask/python/compression.py"]);
     for (name, path) in [
         ("--program", program()),
-        ("--tool", target().join("release/examples").join(name)),
+        ("--topology", example("topology")),
+        ("--geometry", example("geometry")),
         ("--data", target().join("data")),
         ("--folder", target().join("compression")),
         ("--document", root().join("docs/benchmarks.md")),

@@ -1,11 +1,13 @@
-//! Topology of phantoms, packed and unpacked in memory: `cargo bench -p shrouds-codec`.
+//! Topology and bit planes of phantoms, packed and unpacked in memory: `cargo bench -p shrouds-codec`.
 //!
-//! The throughput is in voxels.
+//! The throughput of topology is in voxels, that of planes in vertices, all planes of each.
 
 use std::time::Duration;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use shrouds::volume::phantom::named;
+use shrouds::{Settings as ShroudSettings, shroud};
+use shrouds_codec::geometry::{decode, encode};
 use shrouds_codec::{Profile, Settings, pack, unpack};
 
 fn topology(criterion: &mut Criterion) {
@@ -31,12 +33,32 @@ fn topology(criterion: &mut Criterion) {
     group.finish();
 }
 
+fn planes(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("planes");
+    for (name, size) in [("ball", 128), ("gyroid", 128)] {
+        let volume = named(name, size).expect("a phantom of this size").volume;
+        let shroud = shroud(&volume, &ShroudSettings::default()).expect("it has a shroud");
+        group.throughput(Throughput::Elements(shroud.delta.len() as u64));
+        for count in [1, 2, 8] {
+            let coded = || encode(&shroud.surface, &shroud.delta, count).expect("they are coded");
+            let planes = coded();
+            let payloads: Vec<(&[u8], u32)> =
+                planes.payloads.iter().map(|(payload, sum)| (&payload[..], *sum)).collect();
+            group.bench_function(format!("code {count} {name}{size}"), |b| b.iter(coded));
+            group.bench_function(format!("decode {count} {name}{size}"), |b| {
+                b.iter(|| decode(&shroud.surface, &planes.settings, &payloads));
+            });
+        }
+    }
+    group.finish();
+}
+
 criterion_group! {
     name = all;
     config = Criterion::default()
         .sample_size(10)
         .warm_up_time(Duration::from_millis(300))
         .measurement_time(Duration::from_secs(1));
-    targets = topology
+    targets = topology, planes
 }
 criterion_main!(all);
