@@ -6,6 +6,7 @@ import sys
 import tarfile
 
 import numpy as np
+from meshes import write_ply
 
 
 def main(package, out):
@@ -15,20 +16,7 @@ def main(package, out):
         np.array(json.loads(re.search(rf"exports\.{name}=(\[\[.*?\]\])", text)[1]))
         for name in ("positions", "cells")
     )
-    faces = np.empty(len(cells), [("count", "u1"), ("vertices", "<i4", 3)])
-    faces["count"], faces["vertices"] = 3, cells
-    header = f"""ply
-format binary_little_endian 1.0
-element vertex {len(positions)}
-property float x
-property float y
-property float z
-element face {len(cells)}
-property list uchar int vertex_indices
-end_header
-"""
-    with open(out, "wb") as file:
-        file.write(header.encode() + positions.astype("<f4").tobytes() + faces.tobytes())
+    write_ply(out, positions, cells)
 
 
 if __name__ == "__main__":

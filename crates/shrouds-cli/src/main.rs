@@ -9,6 +9,7 @@ mod commands;
 mod console;
 mod energies;
 mod failure;
+mod figures;
 mod frame;
 mod input;
 mod lines;

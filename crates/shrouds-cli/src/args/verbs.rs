@@ -13,9 +13,13 @@ pub(crate) const ELEVATION: f64 = 40.0;
 
 pub(crate) const DEMO_HELP: &str = "\
 Phantoms: tori, ball, ellipsoid, box, gyroid, letters (or letters:TEXT), point, rod, plate, noise
+Figures of the paper: figure1 to figure8, or figures for all of them and a page about them
 
 Example, a larger gyroid into a folder of its own, its slice curves on the picture:
-  shrouds demo gyroid --size 96 --network --output gyroid";
+  shrouds demo gyroid --size 96 --network --output gyroid
+
+The paper's Figure 3, two linked tori before, after one sweep and in the limit:
+  shrouds demo figure3 --output figures";
 
 pub(crate) const MESH_HELP: &str = "\
 Volumes: .nii, .nii.gz, .nrrd, .nhdr, .seg.nrrd, .mha, .mhd, .dcm, .tif, .npy, .npz, .vti, .raw, and folders
@@ -62,14 +66,17 @@ The usual list, on two small linked tori:
 
 #[derive(Args)]
 pub(crate) struct DemoArgs {
-    /// Name of the phantom, see below
+    /// Name of the phantom or of a figure of the paper, see below
     #[arg(default_value = "tori")]
     pub(crate) name: String,
+    /// For figures: the folder with real data, see `cargo xtask data`; what is missing is made up
+    #[arg(long, value_name = "DIR", default_value = "target/data")]
+    pub(crate) data: PathBuf,
     /// Voxels along each side of the volume, 1 to 2048 [default: 64; 24 for noise, which is all surface]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=2048))]
     pub(crate) size: Option<u16>,
     /// Folder for mesh.ply, picture.png, report.json and volume.npy; made if need be
-    #[arg(long, value_name = "DIR", default_value = "shrouds-demo")]
+    #[arg(short, long, value_name = "DIR", default_value = "shrouds-demo")]
     pub(crate) output: PathBuf,
     /// Draw the slice curves on the picture: across x red, across y white, across z blue; not with
     /// --surface dual

@@ -7,6 +7,7 @@ use std::time::Instant;
 use shrouds_io::write_npy;
 
 use crate::args::{DemoArgs, SurfaceKind};
+use crate::commands::figures;
 use crate::console::{Console, grouped, number, plural, print_json};
 use crate::failure::Failure;
 use crate::output::check_targets;
@@ -28,6 +29,9 @@ struct Files {
 }
 
 pub(crate) fn run(args: &DemoArgs, console: Console) -> Result<(), Failure> {
+    if figures::is_figure(&args.name) {
+        return figures::run(args, console);
+    }
     let start = Instant::now();
     let job = Job::new(&args.shroud, args.frame.frame)?;
     if args.network && args.shroud.solve.surface == SurfaceKind::Dual {

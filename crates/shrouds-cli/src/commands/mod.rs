@@ -5,6 +5,7 @@ mod compare;
 mod contours;
 mod demo;
 mod edit;
+mod figures;
 mod info;
 mod mesh;
 mod network;

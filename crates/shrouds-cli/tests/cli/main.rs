@@ -10,6 +10,7 @@ mod bad_input;
 mod check;
 mod compare;
 mod edit;
+mod figures;
 mod labels;
 mod lines;
 mod mesh;
