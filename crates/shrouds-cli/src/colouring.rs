@@ -1,8 +1,8 @@
-//! Numbers at the vertices of a shroud as colours, with their legend.
+//! Numbers at the vertices of a mesh as colours, with their legend.
 
-use shrouds::measure::{Curvature, curvatures};
+use shrouds::measure::{Curvature, curvatures, mesh_curvatures};
 use shrouds::network::Network;
-use shrouds::{Grid, Shroud};
+use shrouds::{Grid, Shroud, TriMesh};
 use shrouds_io::Frame;
 use shrouds_view::{ColourScale, Legend};
 
@@ -48,22 +48,32 @@ impl Unit {
 }
 
 impl Numbers {
-    /// Those of a shroud with a primal mesh.
-    pub(crate) fn new(field: Field, shroud: &Shroud, unit: &Unit) -> Self {
-        if field == Field::Delta {
-            let unit = "of grid edge".into();
-            return Self { field, values: shroud.delta.to_vec(), unit };
-        }
+    /// Places of the vertices of a primal mesh on their grid edges.
+    pub(crate) fn deltas(delta: &[f64]) -> Self {
+        Self { field: Field::Delta, values: delta.to_vec(), unit: "of grid edge".into() }
+    }
+
+    /// Curvatures at the vertices of a shroud with a primal mesh, from its network.
+    pub(crate) fn of_primal(field: Field, shroud: &Shroud, unit: &Unit) -> Self {
+        let network = Network::trace(&shroud.surface);
+        let found = curvatures(&network, &shroud.mesh.vertices, &shroud.mesh.normals);
+        Self::of(field, found, unit)
+    }
+
+    /// Curvatures at the vertices of any mesh.
+    pub(crate) fn of_mesh(field: Field, mesh: &TriMesh, unit: &Unit) -> Result<Self, Failure> {
+        Ok(Self::of(field, mesh_curvatures(mesh)?, unit))
+    }
+
+    fn of(field: Field, curvatures: Vec<Curvature>, unit: &Unit) -> Self {
         let number: fn(Curvature) -> f64 = match field {
             Field::GaussianCurvature => Curvature::gaussian,
             Field::MaximumCurvature => |curvature| curvature.principal[0],
             Field::MinimumCurvature => |curvature| curvature.principal[1],
             Field::MeanCurvature | Field::Delta => Curvature::mean,
         };
-        let network = Network::trace(&shroud.surface);
-        let found = curvatures(&network, &shroud.mesh.vertices, &shroud.mesh.normals);
         let square = if field == Field::GaussianCurvature { "²" } else { "" };
-        let values = found.into_iter().map(number).collect();
+        let values = curvatures.into_iter().map(number).collect();
         Self { field, values, unit: format!("1/{}{square}", unit.0) }
     }
 

@@ -259,8 +259,8 @@ pub(crate) struct ViewArgs {
     pub(crate) smooth: bool,
     /// Colour of the outer side: six hexadecimal digits; or numbers as colours, with a legend:
     /// mean-curvature, gaussian-curvature, maximum-curvature, minimum-curvature (positive where convex),
-    /// or delta (place on the grid edge, 1 at its inside end). Numbers are for volumes only, with
-    /// --surface primal
+    /// or delta (place on the grid edge, 1 at its inside end; for volumes only, and not with
+    /// --surface dual)
     #[arg(long, default_value = "DEB880", value_name = "RRGGBB|NUMBERS", value_parser = values::paint)]
     pub(crate) colour: Paint,
     /// The numbers with the first and the last colour [default: delta 0,1; curvatures as far to both sides

@@ -47,7 +47,7 @@ pub(crate) fn run(args: &RenderArgs, console: Console) -> Result<(), Failure> {
     let subject = match kind {
         Kind::Mesh => {
             progress.stage("reading");
-            Subject::of_mesh(read_mesh(&args.input)?)
+            Subject::of_mesh(args, read_mesh(&args.input)?)?
         }
         Kind::Volume => Subject::of_volume(args, &job, console, &progress)?,
     };
@@ -78,11 +78,10 @@ fn check_colours(args: &RenderArgs, kind: Kind) -> Result<(), Failure> {
         (Paint::Field(Field::Delta), Kind::Mesh) => {
             "--colour delta needs a volume: a mesh file does not hold the grid edges of its vertices"
         }
-        (Paint::Field(_), Kind::Mesh) => {
-            "--colour with a curvature needs a volume: curvatures are those of its slice curves"
-        }
-        (Paint::Field(_), Kind::Volume) if args.shroud.solve.surface == SurfaceKind::Dual => {
-            "--colour with numbers cannot go with --surface dual: they belong to the vertices of the primal mesh"
+        (Paint::Field(Field::Delta), Kind::Volume)
+            if args.shroud.solve.surface == SurfaceKind::Dual =>
+        {
+            "--colour delta cannot go with --surface dual: its vertices do not lie on grid edges"
         }
         _ => return Ok(()),
     };
@@ -99,9 +98,14 @@ fn check_contours(args: &RenderArgs, kind: Kind) -> Result<(), Failure> {
 }
 
 impl Subject {
-    fn of_mesh(mesh: TriMesh) -> Self {
-        let (network, numbers, optimization) = (Vec::new(), None, None);
-        Self { mesh, lattice: None, unit: Unit::unknown(), network, numbers, optimization }
+    fn of_mesh(args: &RenderArgs, mesh: TriMesh) -> Result<Self, Failure> {
+        let unit = Unit::unknown();
+        let numbers = match args.view.colour {
+            Paint::Field(field) => Some(Numbers::of_mesh(field, &mesh, &unit)?),
+            Paint::Plain(_) => None,
+        };
+        let (network, optimization) = (Vec::new(), None);
+        Ok(Self { mesh, lattice: None, unit, network, numbers, optimization })
     }
 
     fn of_volume(
@@ -114,12 +118,19 @@ impl Subject {
         let source = input::source(&args.input, &args.volume, console, progress)?;
         let shroud = work::shroud(&source.occupancy, job, progress)?;
         let unit = Unit::of_volume(&source.frame, &source.lattice);
+        let numbers = match (args.view.colour, args.shroud.solve.surface) {
+            (Paint::Plain(_), _) => None,
+            (Paint::Field(Field::Delta), _) => Some(Numbers::deltas(&shroud.delta)),
+            (Paint::Field(field), SurfaceKind::Primal) => {
+                Some(Numbers::of_primal(field, &shroud, &unit))
+            }
+            (Paint::Field(field), SurfaceKind::Dual) => {
+                Some(Numbers::of_mesh(field, &shroud.mesh, &unit)?)
+            }
+        };
         Ok(Self {
             network: if args.network { network_lines(&shroud) } else { Vec::new() },
-            numbers: match args.view.colour {
-                Paint::Field(field) => Some(Numbers::new(field, &shroud, &unit)),
-                Paint::Plain(_) => None,
-            },
+            numbers,
             unit,
             lattice: Some(source.lattice),
             mesh: shroud.mesh,

@@ -7,9 +7,11 @@ mod common;
 
 mod bad_calls;
 mod bad_input;
+mod certificate;
 mod check;
 mod compare;
 mod edit;
+mod figures;
 mod labels;
 mod lines;
 mod mesh;
