@@ -59,14 +59,15 @@ impl Figure {
         };
         picture.put(&Picture::draw(scene, camera, &inner)?, [0, 0]);
         let top = inner.height as usize + GAP;
-        let bar_width = bar.as_ref().map_or(0, ScaleBar::width);
+        let mut end = style.width as usize;
         if let Some(bar) = bar {
-            bar.draw(&mut picture, [inner.width as usize - GAP, top]);
+            let right = inner.width as usize - GAP;
+            end = right.saturating_sub(bar.width());
+            bar.draw(&mut picture, [right, top]);
         }
         if let Some(caption) = &self.caption {
-            let room = (style.width as usize).saturating_sub(bar_width + column as usize + 3 * GAP);
-            let room = if bar_width == 0 { style.width as usize - 2 * GAP } else { room };
-            picture.write([GAP, top], &text::fitted(caption, room), NOTE);
+            let line = text::fitted(caption, end.saturating_sub(2 * GAP));
+            picture.write([GAP, top], &line, NOTE);
         }
         Ok(picture)
     }

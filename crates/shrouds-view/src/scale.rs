@@ -64,7 +64,7 @@ impl ColourScale {
 
     /// Round numbers within the range, at equal distances, with their texts.
     pub(crate) fn ticks(&self) -> Vec<(f64, String)> {
-        let step = rounded_up((self.high - self.low) / 5.0);
+        let step = rounded_up((self.high - self.low) / 7.0);
         let [first, last] = [(self.low / step - 1e-9).ceil(), (self.high / step + 1e-9).floor()];
         let count = (last - first).clamp(0.0, 10.0) as u32;
         let largest = self.low.abs().max(self.high.abs());

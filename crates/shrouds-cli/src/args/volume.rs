@@ -178,8 +178,9 @@ impl Reading {
     /// The same as if it were typed, with coordinates of the mesh; or what no one can have typed.
     pub(crate) fn arguments(&self, coordinates: FrameChoice) -> Result<VolumeArgs, String> {
         let raw = self.raw.as_ref();
-        let given = |numbers: [f64; 3]| values::spacing(&numbers.map(|x| x.to_string()).join(","));
-        self.spacing.map_or(Ok([1.0; 3]), given)?;
+        if let Some(spacing) = self.spacing.filter(|spacing| spacing.iter().any(|x| *x <= 0.0)) {
+            return Err(format!("the spacing {spacing:?} is not positive"));
+        }
         let mut frames = vec![Frame::Coordinates(coordinates)];
         frames.extend(self.frame.map(Frame::Number));
         Ok(VolumeArgs {

@@ -34,7 +34,8 @@ pub(super) struct Digest {
 
 impl Digest {
     pub(super) fn of_mesh(path: &Path, folder: &Path) -> Result<Self, Failure> {
-        Ok(Self { file: relative(path, folder)?, sha256: of_file(path)?, files: 1 })
+        let sha256 = of_file(path)?;
+        Ok(Self { file: relative(path, folder)?, sha256, files: 1 })
     }
 
     pub(super) fn of_volume(

@@ -32,8 +32,8 @@ pub(super) struct Properties {
     winding: Property,
     components: Components,
     euler: Euler,
-    /// The 4*-network, where the vertices lie on the grid edges that change sides, one on each: whether every
-    /// one has two neighbours on both of its planar curves.
+    /// The 4*-network, where the vertices lie on the grid edges that change sides, one on each:
+    /// whether every one has two neighbours on both of its planar curves.
     network: Option<Property>,
 }
 

@@ -147,7 +147,6 @@ impl Claim {
 fn compare(name: &str, certificate: Option<&Value>, files: Option<&Value>, found: &mut Vec<Field>) {
     if let (Some(Value::Object(a)), Some(Value::Object(b))) = (certificate, files) {
         let mut seen = BTreeSet::new();
-        // In the order of what this program writes.
         for key in b.keys().chain(a.keys()).filter(|key| *key != VERSION || !name.is_empty()) {
             if seen.insert(key) {
                 let inner = if name.is_empty() { key.clone() } else { format!("{name}.{key}") };

@@ -216,11 +216,16 @@ impl Verdict {
             [] => Err(Failure::Undone(format!(
                 "{path} is true, and says that the mesh is not as it should be: see its properties"
             ))),
-            [first, ..] => Err(Failure::Undone(format!(
-                "{path} is not true of its files: {first} differs{}; \
-                 get the files that were certified, or check the mesh anew",
-                more("field", wrong.len() - 1)
-            ))),
+            [first, ..] => {
+                // Another file explains all the rest.
+                let hash = wrong.iter().find(|name| name.ends_with("sha256"));
+                Err(Failure::Undone(format!(
+                    "{path} is not true of its files: {} differs{}; \
+                     get the files that were certified, or check the mesh anew",
+                    hash.unwrap_or(&first),
+                    more("field", wrong.len() - 1)
+                )))
+            }
         }
     }
 }

@@ -306,12 +306,14 @@ fn volumes_of_several_files() {
         for part in parts {
             let good = folder.bytes(part);
             let mut changed = good.clone();
-            match part {
-                "v.mhd" => changed.splice(0..0, *b"Comment = changed\n"),
-                "r.json" => changed.splice(1..1, *b" "),
-                // An outside voxel becomes another outside value in no reading: change a voxel.
-                _ => changed.splice(good.len() - 1.., [1]),
+            let (at, bytes): (usize, &[u8]) = match part {
+                "v.mhd" => (0, b"Comment = changed\n"),
+                "r.json" => (1, b" "),
+                // A voxel inside that was not.
+                _ => (good.len() - 1, &[1]),
             };
+            let end = if bytes == [1] { at + 1 } else { at };
+            changed.splice(at..end, bytes.iter().copied());
             folder.file(part, &changed);
             let done = folder.run("check c.json");
             assert!(done.code == 1 && done.err.contains("volume.sha256"), "{part}: {}", done.err);
