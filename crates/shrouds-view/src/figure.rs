@@ -61,7 +61,7 @@ impl Figure {
         let top = inner.height as usize + GAP;
         let mut end = style.width as usize;
         if let Some(bar) = bar {
-            let right = inner.width as usize - GAP;
+            let right = end - GAP;
             end = right.saturating_sub(bar.width());
             bar.draw(&mut picture, [right, top]);
         }
@@ -80,7 +80,7 @@ struct ScaleBar {
 }
 
 impl ScaleBar {
-    /// A round length, at most a quarter of the picture; nothing if there is nothing to see.
+    /// A round length, at most a fifth of the picture; nothing if there is nothing to see.
     fn new(
         scene: &Scene,
         camera: &Camera,
@@ -92,7 +92,7 @@ impl ScaleBar {
         require(parallel, "the view with a scale bar", camera.projection, range)?;
         let Some(lens) = Lens::of(scene, camera, style)? else { return Ok(None) };
         let pixels_per_unit = lens.samples_per_unit() / f64::from(style.samples);
-        let length = rounded_down(f64::from(style.width) / 4.0 / pixels_per_unit);
+        let length = rounded_down(f64::from(style.width) / 5.0 / pixels_per_unit);
         let pixels = (length * pixels_per_unit).round();
         if !(pixels >= 1.0 && pixels <= f64::from(style.width)) {
             return Ok(None);
