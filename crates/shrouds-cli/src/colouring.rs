@@ -38,12 +38,13 @@ impl Unit {
         Self("unit".into())
     }
 
-    /// After a number.
-    pub(crate) fn of_several(&self) -> String {
-        match self.0.as_str() {
+    /// After 1, and after other numbers.
+    pub(crate) fn counted(&self) -> [String; 2] {
+        let several = match self.0.as_str() {
             word @ ("voxel" | "unit") => format!("{word}s"),
             symbol => symbol.into(),
-        }
+        };
+        [self.0.clone(), several]
     }
 }
 

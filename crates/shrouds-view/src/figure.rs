@@ -28,8 +28,9 @@ pub struct Figure {
     pub legend: Option<Legend>,
     /// A line below the picture, cut off with three dots where it is too long.
     pub caption: Option<String>,
-    /// The unit of length of a scale bar, or nothing for none. The camera must look along parallel rays.
-    pub scale_bar: Option<String>,
+    /// The unit of length of a scale bar, as it is written after 1 and after other numbers; nothing for no
+    /// bar. The camera must look along parallel rays.
+    pub scale_bar: Option<[String; 2]>,
 }
 
 impl Figure {
@@ -85,7 +86,7 @@ impl ScaleBar {
         scene: &Scene,
         camera: &Camera,
         style: &Style,
-        unit: &str,
+        [one, several]: &[String; 2],
     ) -> Result<Option<Self>, Error> {
         let parallel = camera.projection == Projection::Orthographic;
         let range = "without perspective, in which lengths shrink with their distance";
@@ -98,6 +99,7 @@ impl ScaleBar {
             return Ok(None);
         }
         let number = number_text(length, length, length);
+        let unit = if number == "1" { one } else { several };
         Ok(Some(Self { pixels: pixels as usize, label: format!("{number} {unit}") }))
     }
 

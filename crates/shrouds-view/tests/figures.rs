@@ -58,7 +58,7 @@ fn cube() -> shrouds::TriMesh {
 fn the_scale_bar_is_as_long_as_it_says() {
     let mesh = cube();
     let scene = Scene::new(&mesh).colours(Colours::One([200, 120, 60]));
-    let figure = Figure { scale_bar: Some("mm".into()), ..Figure::default() };
+    let figure = Figure { scale_bar: Some(["mm"; 2].map(Into::into)), ..Figure::default() };
     for (width, height, zoom, length) in
         [(600, 400, 1.0, 2.0), (600, 400, 0.3, 10.0), (300, 700, 1.0, 2.0), (500, 500, 2.0, 1.0)]
     {
@@ -151,7 +151,8 @@ fn captions_are_below_and_never_over_the_bar() {
     let figure = Figure { caption: caption.clone(), ..Figure::default() };
     let captioned = figure.draw(&scene, &front(), &style(400, 300)).unwrap();
     assert_eq!(captioned.pixels()[..plain.pixels().len()], *plain.pixels());
-    let figure = Figure { caption, scale_bar: Some("µm".into()), ..Figure::default() };
+    let figure =
+        Figure { caption, scale_bar: Some(["µm"; 2].map(Into::into)), ..Figure::default() };
     let both = figure.draw(&scene, &front(), &style(400, 300)).unwrap();
     let [[left, _], _] = extent(&both, 0..400, 260..300, is_dark).unwrap();
     assert!((left - 8..left).all(|x| (260..300).all(|y| both.pixel(x, y) == Some(WHITE))));
@@ -169,7 +170,7 @@ fn figures_that_cannot_be_drawn() {
         let found = with_legend.draw(&scene, &front(), &size);
         assert!(matches!(found, Err(Error::Setting { .. })), "{found:?}");
     }
-    let bar = Figure { scale_bar: Some("mm".into()), ..Figure::default() };
+    let bar = Figure { scale_bar: Some(["mm"; 2].map(Into::into)), ..Figure::default() };
     assert!(bar.draw(&scene, &front(), &style(60, 400)).is_err());
     let perspective =
         Camera { projection: Projection::Perspective { angle: 40.0 }, ..Camera::default() };

@@ -153,7 +153,7 @@ impl Subject {
         let figure = Figure {
             legend,
             caption: if args.view.caption { Some(self.caption(args)?) } else { None },
-            scale_bar: args.view.scale_bar.then(|| self.unit.of_several()),
+            scale_bar: args.view.scale_bar.then(|| self.unit.counted()),
         };
         let view = View::new(&args.view);
         let picture = view.draw_figure(&self.mesh, colours.as_deref(), &lines, &figure)?;
