@@ -10,6 +10,7 @@ use shrouds_io::{
 };
 
 use crate::args::PlaneAxis;
+use crate::console::number;
 use crate::failure::Failure;
 use crate::measure::mean_edge;
 
@@ -65,6 +66,21 @@ pub(crate) struct FairnessReport {
     bending: f64,
     /// Distance of these contours and of the points on them, in the unit of the mesh.
     step: f64,
+}
+
+impl FairnessReport {
+    /// The bending energy with three digits behind the point.
+    pub(crate) fn rounded(&self) -> f64 {
+        (1000.0 * self.bending).round() / 1000.0
+    }
+
+    /// For a person.
+    pub(crate) fn in_words(&self) -> String {
+        let [bending, step] = [self.rounded(), self.step].map(number);
+        format!(
+            "fairness {bending}: contours {step} apart bend that many times as much as those of a sphere"
+        )
+    }
 }
 
 /// How fair a mesh is, with the smallest spacing of its lattice as step, or else the mean length of its

@@ -5,6 +5,8 @@
 //! exit code.
 
 mod args;
+mod certificate;
+mod colouring;
 mod commands;
 mod console;
 mod energies;

@@ -2,9 +2,9 @@
 
 use shrouds::network::Network;
 use shrouds::{Shroud, TriMesh};
-use shrouds_view::{Camera, Colours, LineSet, Picture, Projection, Scene, Shading, Style};
+use shrouds_view::{Camera, Colours, Figure, LineSet, Picture, Projection, Scene, Shading, Style};
 
-use crate::args::{AZIMUTH, ELEVATION, ViewArgs};
+use crate::args::{AZIMUTH, ELEVATION, Paint, ViewArgs};
 use crate::failure::Failure;
 
 /// Curves across x, y, z, as the paper colours them.
@@ -49,17 +49,37 @@ impl View {
         };
         let shading = if args.smooth { Shading::Smooth } else { Shading::Flat };
         let style = Style { width: args.width, height: args.height, shading, ..Style::default() };
-        Self { camera, style, colour: Some(args.colour) }
+        match args.colour {
+            Paint::Plain(colour) => Self { camera, style, colour: Some(colour) },
+            // Less shade, so that a colour looks like that of the legend.
+            Paint::Field(_) => Self {
+                camera,
+                style: Style { ambient: 0.45, diffuse: 0.55, ..style },
+                colour: None,
+            },
+        }
     }
 
     /// Draws the mesh and the lines on it.
     pub(crate) fn draw(&self, mesh: &TriMesh, lines: &[LineSet]) -> Result<Picture, Failure> {
-        let mut scene = Scene::new(mesh);
-        if let Some(colour) = self.colour {
-            scene = scene.colours(Colours::One(colour));
-        }
+        self.draw_figure(mesh, None, lines, &Figure::default())
+    }
+
+    /// The same with a colour for every vertex, if there are some, and all that belongs to a figure.
+    pub(crate) fn draw_figure(
+        &self,
+        mesh: &TriMesh,
+        colours: Option<&[[u8; 3]]>,
+        lines: &[LineSet],
+        figure: &Figure,
+    ) -> Result<Picture, Failure> {
+        let scene = match (colours, self.colour) {
+            (Some(colours), _) => Scene::new(mesh).colours(Colours::PerVertex(colours)),
+            (None, Some(colour)) => Scene::new(mesh).colours(Colours::One(colour)),
+            (None, None) => Scene::new(mesh),
+        };
         let scene = lines.iter().fold(scene, Scene::lines);
-        Ok(Picture::draw(&scene, &self.camera, &self.style)?)
+        Ok(figure.draw(&scene, &self.camera, &self.style)?)
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::camera::{Camera, Projection};
 use crate::error::Error;
 use crate::scene::Scene;
+use crate::shade::Style;
 use crate::vector::{Vector, dot, length, sub};
 
 /// A point as it appears on the screen.
@@ -37,6 +38,12 @@ pub(crate) struct Lens {
 const LIMIT: f64 = (1 << 21) as f64;
 
 impl Lens {
+    /// The lens for a picture of this style; none if there is nothing to see.
+    pub(crate) fn of(scene: &Scene, camera: &Camera, style: &Style) -> Result<Option<Self>, Error> {
+        let side = |pixels: u32| f64::from(pixels) * f64::from(style.samples);
+        Self::new(scene, camera, [side(style.width), side(style.height)], style.margin)
+    }
+
     /// The lens that fits the scene (or the camera's frame) into `width × height` samples, less a
     /// margin on each side that is a fraction of the shorter one. None if there is nothing to see.
     pub(crate) fn new(
@@ -106,6 +113,11 @@ impl Lens {
 
     fn normalised(&self, point: Vector) -> Vector {
         sub(point, self.centre).map(|x| x / self.size)
+    }
+
+    /// Samples that a world unit of length across parallel rays is long.
+    pub(crate) fn samples_per_unit(&self) -> f64 {
+        self.scale / self.size
     }
 
     /// A world direction, seen by the viewer.

@@ -6,7 +6,9 @@
 //! The look is that of the paper (remark 1): constant shading per triangle, ambient and diffuse
 //! light only, since that shows the geometry of a mesh best. The light comes from the viewer's upper
 //! left. Faces seen from their inner side have a darker colour of their own, so that an open border
-//! or an inside-out mesh is noticed. [`Picture::sheet`] puts several pictures on a contact sheet.
+//! or an inside-out mesh is noticed. [`ColourScale`] turns numbers into colours; a [`Figure`] has a
+//! [`Legend`] of them, a scale bar and a caption beside the picture; [`Picture::sheet`] puts several
+//! pictures on a contact sheet.
 //!
 //! Images and their polygons, the method in two dimensions, are drawn as SVG by [`Plan`].
 //!
@@ -41,13 +43,19 @@ mod line;
 mod paint;
 mod picture;
 mod text;
+mod scale;
+mod legend;
+mod figure;
 mod sheet;
 mod plan;
 
 pub use camera::{Axis, Camera, Projection, View};
 pub use error::Error;
+pub use figure::Figure;
+pub use legend::Legend;
 pub use picture::Picture;
 pub use plan::Plan;
+pub use scale::ColourScale;
 pub use scene::{Colours, LineSet, Scene};
 pub use shade::{Shading, Style};
 pub use sheet::Cell;

@@ -1,6 +1,7 @@
 //! The finished picture: drawn band by band, so that memory does not grow with the mesh.
 
 use std::io::Write;
+use std::ops::Range;
 
 use crate::camera::Camera;
 use crate::error::Error;
@@ -9,6 +10,7 @@ use crate::paint::Painter;
 use crate::raster::Band;
 use crate::scene::Scene;
 use crate::shade::{Gamma, Sample, Style};
+use crate::text::{self, Ink};
 
 /// Samples held at a time, if a single row of pixels does not need more.
 const BAND: usize = 1 << 22;
@@ -38,8 +40,7 @@ impl Picture {
         scene.check()?;
         let (width, height) = (style.width as usize, style.height as usize);
         let samples = style.samples as usize;
-        let size = [width * samples, height * samples].map(|side| side as f64);
-        let lens = Lens::new(scene, camera, size, style.margin)?;
+        let lens = Lens::of(scene, camera, style)?;
         let mut picture = Self::without_pixels(style.width, style.height)?;
 
         let gamma = Gamma::new();
@@ -68,13 +69,41 @@ impl Picture {
         Ok(Self { width, height, pixels })
     }
 
-    /// Adds the next pixel.
-    pub(crate) fn push(&mut self, colour: [u8; 3]) {
-        self.pixels.extend(colour);
+    /// A picture of one colour.
+    pub(crate) fn plain(width: u32, height: u32, colour: [u8; 3]) -> Result<Self, Error> {
+        let limit = Style::MAX_SIDE;
+        if [width, height].iter().any(|side| !(1..=limit).contains(side)) {
+            return Err(Error::Size { width, height, limit });
+        }
+        let mut picture = Self::without_pixels(width, height)?;
+        let count = width as usize * height as usize;
+        (0..count).for_each(|_| picture.pixels.extend(colour));
+        Ok(picture)
     }
 
-    pub(crate) fn pixels_mut(&mut self) -> &mut [u8] {
-        &mut self.pixels
+    /// Copies a picture to where its upper left corner is at `x`, `y`; it has to fit.
+    pub(crate) fn put(&mut self, other: &Self, [x, y]: [usize; 2]) {
+        let [across, run] = [self.width, other.width].map(|width| 3 * width as usize);
+        for (n, row) in other.pixels.chunks_exact(run).enumerate() {
+            let start = (y + n) * across + 3 * x;
+            self.pixels[start..start + run].copy_from_slice(row);
+        }
+    }
+
+    /// Fills a rectangle of columns and rows with a colour; it has to fit.
+    pub(crate) fn fill(&mut self, [columns, rows]: [Range<usize>; 2], colour: [u8; 3]) {
+        for y in rows {
+            let start = y * self.width as usize;
+            for x in columns.clone() {
+                self.pixels[3 * (start + x)..][..3].copy_from_slice(&colour);
+            }
+        }
+    }
+
+    /// Writes a line of text whose upper left corner is at `x`, `y`; letters that do not fit are left
+    /// out.
+    pub(crate) fn write(&mut self, place: [usize; 2], line: &str, ink: Ink) {
+        text::write(&mut self.pixels, self.width as usize, place, line, ink);
     }
 
     /// Pixels across.

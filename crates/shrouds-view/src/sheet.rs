@@ -2,15 +2,12 @@
 
 use crate::error::Error;
 use crate::picture::Picture;
-use crate::shade::Style;
-use crate::text::{self, Ink};
+use crate::text::{self, NOTE, TITLE};
 
 /// Pixels around each picture with its caption.
 const GAP: usize = 12;
 /// Pixels from a picture down to the end of its caption.
 const CAPTION: usize = 6 + 2 * (text::HEIGHT + 2);
-const TITLE: Ink = Ink { bold: true, colour: [24, 24, 28] };
-const NOTE: Ink = Ink { bold: false, colour: [90, 90, 96] };
 
 /// One picture of a contact sheet.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -27,7 +24,7 @@ impl Picture {
     /// A contact sheet: the pictures from left to right, so many to a row, each above its caption.
     ///
     /// Every cell is as large as the largest picture; smaller ones stand in its upper left. Captions
-    /// have ASCII letters, question marks for others, and three dots where they are too long.
+    /// have the letters of Latin-1, question marks for others, and three dots where they are too long.
     ///
     /// # Errors
     /// [`Error::Size`] when there is no cell or no column, or the sheet is larger than a picture may
@@ -51,31 +48,9 @@ impl Picture {
             let lines = [(&cell.title, TITLE, below), (&cell.note, NOTE, below + text::HEIGHT + 2)];
             for (line, ink, y) in lines {
                 let line = text::fitted(line, step[0] - GAP);
-                let across = sheet.width() as usize;
-                text::write(sheet.pixels_mut(), across, [x, y], &line, ink);
+                sheet.write([x, y], &line, ink);
             }
         }
         Ok(sheet)
-    }
-
-    /// A picture of one colour.
-    fn plain(width: u32, height: u32, colour: [u8; 3]) -> Result<Self, Error> {
-        let limit = Style::MAX_SIDE;
-        if [width, height].iter().any(|side| !(1..=limit).contains(side)) {
-            return Err(Error::Size { width, height, limit });
-        }
-        let mut picture = Self::without_pixels(width, height)?;
-        let count = width as usize * height as usize;
-        (0..count).for_each(|_| picture.push(colour));
-        Ok(picture)
-    }
-
-    /// Copies a picture to where its upper left corner is at `x`, `y`; it has to fit.
-    fn put(&mut self, other: &Self, [x, y]: [usize; 2]) {
-        let [across, run] = [self.width(), other.width()].map(|width| 3 * width as usize);
-        for (n, row) in other.pixels().chunks_exact(run).enumerate() {
-            let start = (y + n) * across + 3 * x;
-            self.pixels_mut()[start..start + run].copy_from_slice(row);
-        }
     }
 }

@@ -13,6 +13,13 @@ pub(crate) struct Ink {
     pub(crate) colour: [u8; 3],
 }
 
+/// Dark letters and lines.
+pub(crate) const DARK: Ink = Ink { bold: false, colour: [40, 40, 46] };
+/// Names.
+pub(crate) const TITLE: Ink = Ink { bold: true, colour: [24, 24, 28] };
+/// What is said beside them.
+pub(crate) const NOTE: Ink = Ink { bold: false, colour: [90, 90, 96] };
+
 /// Pixels across a line of so many letters.
 pub(crate) const fn width(letters: usize) -> usize {
     letters * get_raster_width(FontWeight::Regular, RASTER)
@@ -91,7 +98,10 @@ mod tests {
                 .iter()
                 .all(|[x, y]| { (width(1)..width(2)).contains(x) && (3..3 + HEIGHT).contains(y) })
         );
-        assert_eq!(written("é", [0, 0]), written("?", [0, 0]));
+        assert_eq!(written("λ", [0, 0]), written("?", [0, 0]));
+        for letter in ["µ", "²", "³", "é"] {
+            assert_ne!(written(letter, [0, 0]), written("?", [0, 0]), "{letter}");
+        }
         assert_eq!(written("abcd", [width(1), 0]), written("abc", [width(1), 0]));
         assert_eq!(written("a", [0, 7]), blank);
         assert_eq!(written("a", [usize::MAX / 2, 0]), blank);

@@ -17,8 +17,8 @@ use crate::energies;
 
 pub(crate) use lines::{ContoursArgs, NetworkArgs};
 pub(crate) use names::{
-    Attribute, Axes, Border, Each, Faces, FrameChoice, Interpolation, Operation, PlaneAxis, Preset,
-    Profile, Solver, SurfaceKind, TriangleRule, VolumeRule, Winding,
+    Attribute, Axes, Border, Each, Faces, Field, FrameChoice, Interpolation, Operation, PlaneAxis,
+    Preset, Profile, Solver, SurfaceKind, TriangleRule, VolumeRule, Winding,
 };
 pub(crate) use operations::{
     CleanArgs, CombineArgs, CropArgs, EditArgs, OffsetArgs, ResampleArgs, VoxelizeArgs, Window,
@@ -26,11 +26,11 @@ pub(crate) use operations::{
 pub(crate) use pack::{PackArgs, UnpackArgs};
 pub(crate) use polygon::{PolygonArgs, Slice};
 pub(crate) use shroud::{ShroudArgs, SolveArgs};
-pub(crate) use values::Start;
+pub(crate) use values::{Every, Paint, Start};
 pub(crate) use verbs::{
     AZIMUTH, CheckArgs, CompareArgs, DemoArgs, ELEVATION, InfoArgs, MeshArgs, RenderArgs, ViewArgs,
 };
-pub(crate) use volume::VolumeArgs;
+pub(crate) use volume::{Reading, VolumeArgs};
 
 /// Smooth triangle surfaces that provably keep every voxel of a segmentation on its own side.
 ///

@@ -1,7 +1,7 @@
 //! Named choices. The names are the same on the command line and in the report.
 
 use clap::ValueEnum;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// How the minimum is sought.
 #[derive(ValueEnum, Serialize, Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,7 +37,7 @@ impl Preset {
 }
 
 /// How a cell face with two inside corners on one diagonal is cut.
-#[derive(ValueEnum, Serialize, Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(ValueEnum, Serialize, Deserialize, Debug, Clone, Copy, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Faces {
     /// Keep the inside corners apart (6-connected inside)
@@ -47,7 +47,7 @@ pub(crate) enum Faces {
 }
 
 /// What lies beyond the volume.
-#[derive(ValueEnum, Serialize, Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(ValueEnum, Serialize, Deserialize, Debug, Clone, Copy, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Border {
     /// Outside: the surface closes over the border
@@ -88,7 +88,7 @@ pub(crate) enum VolumeRule {
 }
 
 /// Coordinates of a mesh.
-#[derive(ValueEnum, Serialize, Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(ValueEnum, Serialize, Deserialize, Debug, Clone, Copy, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum FrameChoice {
     /// Those of the file, in its unit of length
@@ -98,7 +98,7 @@ pub(crate) enum FrameChoice {
 }
 
 /// Order of the axes of an NPY array.
-#[derive(ValueEnum, Serialize, Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(ValueEnum, Serialize, Deserialize, Debug, Clone, Copy, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Axes {
     /// Indexed `[z, y, x]`
@@ -154,6 +154,21 @@ pub(crate) enum Attribute {
     Delta,
     /// Mean and Gaussian curvature, positive where convex: 1/length, 1/length²
     Curvature,
+}
+
+/// Numbers that are shown as colours.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Field {
+    /// Mean of the principal curvatures, positive where convex
+    MeanCurvature,
+    /// Product of the principal curvatures, negative on saddles
+    GaussianCurvature,
+    /// The largest principal curvature
+    MaximumCurvature,
+    /// The smallest principal curvature
+    MinimumCurvature,
+    /// Place on the grid edge: 1 at its inside end, 0 at the outside end
+    Delta,
 }
 
 /// Which winding numbers of a mesh are inside.

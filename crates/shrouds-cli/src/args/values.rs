@@ -2,9 +2,12 @@
 
 use std::str::FromStr;
 
+use clap::ValueEnum;
 use serde::{Serialize, Serializer};
 use shrouds::energy::Energy;
 use shrouds_io::ElementType;
+
+use crate::args::{Field, PlaneAxis};
 
 /// Where the vertices start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,6 +54,20 @@ impl Serialize for Start {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
     }
+}
+
+/// What a surface is coloured with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Paint {
+    Plain([u8; 3]),
+    Field(Field),
+}
+
+/// Planes at the multiples of a distance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Every {
+    pub(crate) axis: PlaneAxis,
+    pub(crate) distance: f64,
 }
 
 /// An energy that can be read.
@@ -134,6 +151,34 @@ pub(crate) fn colour(text: &str) -> Result<[u8; 3], String> {
     Ok(rgb)
 }
 
+/// A colour, or the name of numbers.
+pub(crate) fn paint(text: &str) -> Result<Paint, String> {
+    let field = Field::from_str(text, false).map(Paint::Field);
+    field.or_else(|_| colour(text).map(Paint::Plain)).map_err(|advice| {
+        let names: Vec<String> = Field::value_variants()
+            .iter()
+            .filter_map(|field| Some(field.to_possible_value()?.get_name().to_owned()))
+            .collect();
+        format!("{advice}, or one of {}", names.join(", "))
+    })
+}
+
+/// Two numbers, the smaller first.
+pub(crate) fn range(text: &str) -> Result<[f64; 2], String> {
+    let ends = text.split_once(',');
+    let ends = ends.and_then(|(low, high)| Some([number(low.trim())?, number(high.trim())?]));
+    ends.filter(|[low, high]| low < high)
+        .ok_or_else(|| "give two numbers, the smaller first, such as -0.1,0.1".into())
+}
+
+/// An axis and a distance of planes across it.
+pub(crate) fn every(text: &str) -> Result<Every, String> {
+    let advice = "give an axis and a distance above 0, such as z:10";
+    let (axis, distance) = text.split_once(':').ok_or(advice)?;
+    let axis = PlaneAxis::from_str(axis, false).map_err(|_| advice)?;
+    Ok(Every { axis, distance: positive(distance).map_err(|_| advice)? })
+}
+
 fn number(text: &str) -> Option<f64> {
     text.parse().ok().filter(|x: &f64| x.is_finite())
 }
@@ -160,6 +205,13 @@ mod tests {
         );
         assert!(["1,2", "1,2,0", "1,2,-3", "1,2,inf", "a"].iter().all(|s| spacing(s).is_err()));
         assert!(["ff80", "+f8000", "gg0000"].iter().all(|s| colour(s).is_err()));
+        assert_eq!(paint("00ff00"), Ok(Paint::Plain([0, 255, 0])));
+        assert_eq!(paint("mean-curvature"), Ok(Paint::Field(Field::MeanCurvature)));
+        assert!(paint("red").unwrap_err().contains("minimum-curvature, delta"));
+        assert_eq!(range("-0.1, 2"), Ok([-0.1, 2.0]));
+        assert!(["1", "2,1", "1,1", "a,b", "0,inf"].iter().all(|s| range(s).is_err()));
+        assert_eq!(every("k:2.5"), Ok(Every { axis: PlaneAxis::K, distance: 2.5 }));
+        assert!(["z", "z:", "z:0", "w:1", "z:-1"].iter().all(|s| every(s).is_err()));
         assert!(["0", "1", "nan"].iter().all(|s| fraction(s).is_err()));
         assert!(finite("nan").is_err() && positive("0").is_err() && elevation("91").is_err());
     }

@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::args::shroud::FrameArgs;
-use crate::args::{Attribute, Border, Each, Faces, ShroudArgs, SolveArgs, VolumeArgs, values};
+use crate::args::{
+    Attribute, Border, Each, Every, Faces, Paint, ShroudArgs, SolveArgs, VolumeArgs, values,
+};
 
 /// Where the viewer stands unless told otherwise: seen from there each of the linked tori shows its hole.
 pub(crate) const AZIMUTH: f64 = -75.0;
@@ -39,7 +41,11 @@ pub(crate) const CHECK_HELP: &str = "\
 Exit code 0 means certified, 1 that something is wrong.
 
 Example:
-  shrouds check liver.ply --volume organs.nii.gz --label 6";
+  shrouds check liver.ply --volume organs.nii.gz --label 6
+
+The certificate in a file, and later, from that file, the mesh and the volume alone:
+  shrouds check liver.ply --volume organs.nii.gz --label 6 --certificate liver.json
+  shrouds check liver.json";
 
 pub(crate) const INFO_HELP: &str = "\
 Volumes as for `shrouds mesh`. Meshes: .ply, .stl, .obj. Packed: .shroud.
@@ -51,7 +57,11 @@ pub(crate) const RENDER_HELP: &str = "\
 The options of volume and surface are for volumes only.
 
 Example, the slice curves on the shroud of a small volume, from the upper right:
-  shrouds render organs.nii.gz --label 6 --network --azimuth 30 --elevation 40 -o liver.png";
+  shrouds render organs.nii.gz --label 6 --network --azimuth 30 --elevation 40 -o liver.png
+
+Mean curvature as colour, with contours every 10 mm, a scale bar and a caption:
+  shrouds render organs.nii.gz --label 6 --colour mean-curvature --contours z:10 --scale-bar --caption \
+    -o curved.png";
 
 pub(crate) const COMPARE_HELP: &str = "\
 INPUT may also be a phantom, demo:NAME (see `shrouds demo --help`). The table has the distance to its
@@ -117,6 +127,10 @@ pub(crate) struct MeshArgs {
     /// Also draw a picture (PNG)
     #[arg(long, value_name = "FILE")]
     pub(crate) picture: Option<PathBuf>,
+    /// Also check the mesh as it was written and write its certificate (JSON), as `shrouds check` does;
+    /// for .ply, .stl and .obj
+    #[arg(long, value_name = "FILE", conflicts_with = "each")]
+    pub(crate) certificate: Option<PathBuf>,
     /// Print the report to standard output, and nothing else there
     #[arg(long)]
     pub(crate) json: bool,
@@ -128,17 +142,24 @@ pub(crate) struct MeshArgs {
 
 #[derive(Args)]
 pub(crate) struct CheckArgs {
-    /// The mesh file: .ply, .stl or .obj
+    /// The mesh file: .ply, .stl or .obj; or a certificate, .json, alone, which is verified from the files
+    /// that it names
+    #[arg(value_name = "MESH|CERTIFICATE")]
     pub(crate) mesh: PathBuf,
     /// The volume file it is to be the surface of, as for `shrouds mesh`
     #[arg(long, value_name = "FILE")]
-    pub(crate) volume: PathBuf,
-    /// How the mesh should pass through ambiguous cell faces: decides the expected topology
-    #[arg(long, value_enum, default_value_t = Faces::Separate)]
-    pub(crate) faces: Faces,
-    /// Where the mesh may end
-    #[arg(long, value_enum, default_value_t = Border::Closed)]
-    pub(crate) border: Border,
+    pub(crate) volume: Option<PathBuf>,
+    /// Also write the certificate (JSON), whether or not the mesh is as it should be; it names mesh and
+    /// volume relative to itself
+    #[arg(long, value_name = "FILE", requires = "volume")]
+    pub(crate) certificate: Option<PathBuf>,
+    /// How the mesh should pass through ambiguous cell faces, which decides the expected topology
+    /// [default: separate]
+    #[arg(long, value_enum)]
+    pub(crate) faces: Option<Faces>,
+    /// Where the mesh may end [default: closed]
+    #[arg(long, value_enum)]
+    pub(crate) border: Option<Border>,
     /// Follow the voxel rows along y and z too: finds more on meshes with holes
     #[arg(long)]
     pub(crate) all_axes: bool,
@@ -173,6 +194,11 @@ pub(crate) struct RenderArgs {
     /// and not with --surface dual
     #[arg(long, help_heading = "Picture")]
     pub(crate) network: bool,
+    /// Draw contours across an axis, so far apart: x, y, z in the unit of the file, or i, j, k of a volume
+    /// in voxels. With commas for several
+    #[arg(long, value_name = "AXIS:DISTANCE", value_delimiter = ',', help_heading = "Picture",
+        value_parser = values::every)]
+    pub(crate) contours: Vec<Every>,
     #[command(flatten)]
     pub(crate) volume: VolumeArgs,
     #[command(flatten)]
@@ -238,7 +264,21 @@ pub(crate) struct ViewArgs {
     /// Blend the light across triangles instead of showing each one flat
     #[arg(long)]
     pub(crate) smooth: bool,
-    /// Colour of the outer side
-    #[arg(long, default_value = "DEB880", value_name = "RRGGBB", value_parser = values::colour)]
-    pub(crate) colour: [u8; 3],
+    /// Colour of the outer side: six hexadecimal digits; or numbers as colours, with a legend:
+    /// mean-curvature, gaussian-curvature, maximum-curvature, minimum-curvature (positive where convex),
+    /// or delta (place on the grid edge, 1 at its inside end; for volumes only, and not with
+    /// --surface dual)
+    #[arg(long, default_value = "DEB880", value_name = "RRGGBB|NUMBERS", value_parser = values::paint)]
+    pub(crate) colour: Paint,
+    /// The numbers with the first and the last colour [default: delta 0,1; curvatures as far to both sides
+    /// as 95 of 100 vertices go]
+    #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true, value_parser = values::range)]
+    pub(crate) range: Option<[f64; 2]>,
+    /// A scale bar below the picture; not with --perspective
+    #[arg(long, conflicts_with = "perspective")]
+    pub(crate) scale_bar: bool,
+    /// A caption below the picture: name, number of triangles, and fairness, the bending energy of contours
+    /// as a multiple of that of a sphere
+    #[arg(long)]
+    pub(crate) caption: bool,
 }

@@ -3,6 +3,7 @@
 use std::str::FromStr;
 
 use clap::Args;
+use serde::{Deserialize, Serialize};
 use shrouds_io::{ElementType, RawLayout};
 
 use crate::args::{Axes, FrameChoice, values};
@@ -126,6 +127,75 @@ impl VolumeArgs {
             || self.raw_dims.is_some()
             || self.threshold.is_some()
             || self.spacing.is_some()
+    }
+}
+
+/// How a volume file was read and what was selected, as a certificate has it.
+#[derive(Serialize, Deserialize, Debug, Clone, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Reading {
+    labels: Vec<String>,
+    threshold: Option<f64>,
+    frame: Option<usize>,
+    array: Option<String>,
+    level: usize,
+    axes: Axes,
+    spacing: Option<[f64; 3]>,
+    raw: Option<RawReading>,
+}
+
+/// The layout of raw voxels, where it came with the call.
+#[derive(Serialize, Deserialize, Debug, Clone, PartialEq)]
+#[serde(deny_unknown_fields)]
+struct RawReading {
+    dims: [usize; 3],
+    #[serde(rename = "type")]
+    element: String,
+    big_endian: bool,
+    offset: u64,
+}
+
+impl Reading {
+    pub(crate) fn of(args: &VolumeArgs) -> Self {
+        let raw = args.raw().map(|raw| RawReading {
+            dims: raw.dims,
+            element: raw.element.name().into(),
+            big_endian: raw.big_endian,
+            offset: raw.offset,
+        });
+        Self {
+            labels: args.labels.clone(),
+            threshold: args.threshold,
+            frame: args.layer(),
+            array: args.array.clone(),
+            level: args.level,
+            axes: args.axes,
+            spacing: args.spacing,
+            raw,
+        }
+    }
+
+    /// The same as if it were typed, with coordinates of the mesh; or what no one can have typed.
+    pub(crate) fn arguments(&self, coordinates: FrameChoice) -> Result<VolumeArgs, String> {
+        let raw = self.raw.as_ref();
+        if let Some(spacing) = self.spacing.filter(|spacing| spacing.iter().any(|x| *x <= 0.0)) {
+            return Err(format!("the spacing {spacing:?} is not positive"));
+        }
+        let mut frames = vec![Frame::Coordinates(coordinates)];
+        frames.extend(self.frame.map(Frame::Number));
+        Ok(VolumeArgs {
+            labels: self.labels.clone(),
+            threshold: self.threshold,
+            frames,
+            array: self.array.clone(),
+            level: self.level,
+            raw_dims: raw.map(|raw| raw.dims),
+            raw_type: raw.map_or(Ok(ElementType::U8), |raw| values::element(&raw.element))?,
+            raw_big_endian: raw.is_some_and(|raw| raw.big_endian),
+            raw_offset: raw.map_or(0, |raw| raw.offset),
+            axes: self.axes,
+            spacing: self.spacing,
+        })
     }
 }
 

@@ -1,78 +1,84 @@
-//! `shrouds check`: the certificate of a mesh against its volume.
+//! `shrouds check`: a mesh against its volume, or a certificate against its files.
+
+use std::path::Path;
 
 use serde::Serialize;
-use shrouds::check::{CheckReport, CheckSettings, Found, check};
-use shrouds::{Grid, Occupancy};
-use shrouds_io::{mesh_format, read_mesh, volume_format};
+use shrouds::Occupancy;
+use shrouds::check::{CheckReport, Found};
 
-use crate::args::{CheckArgs, FrameChoice};
+use crate::args::{Axes, Border, CheckArgs, Faces};
+use crate::certificate::{self, Examined, Subject, Verdict};
 use crate::console::{Console, grouped, print_json};
 use crate::failure::Failure;
-use crate::input;
+use crate::lines::{self, FairnessReport};
+use crate::output::check_targets;
 use crate::progress::Progress;
 use crate::report::{Checks, name};
-use crate::selection::Selection;
-use crate::settings::{border, face_rule};
 
 pub(crate) fn run(args: &CheckArgs, console: Console) -> Result<(), Failure> {
-    mesh_format(&args.mesh)?;
-    volume_format(&args.volume)?;
-    let progress = Progress::new(console.quiet);
-    let volume = volume(args, console, &progress)?;
-    progress.stage("reading the mesh");
-    let mesh = read_mesh(&args.mesh)?;
-    progress.stage("checking");
-    let settings = CheckSettings {
-        border: border(args.border),
-        faces: face_rule(args.faces),
+    let is_certificate = args.mesh.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
+    match &args.volume {
+        _ if is_certificate => verify(args, console),
+        Some(volume) => check(args, volume, console),
+        None => Err(Failure::Call(format!(
+            "{}: a mesh is checked against its volume: give it with --volume",
+            args.mesh.display()
+        ))),
+    }
+}
+
+fn check(args: &CheckArgs, volume: &Path, console: Console) -> Result<(), Failure> {
+    let subject = Subject {
+        mesh: &args.mesh,
+        volume,
+        selection: &args.selection,
+        border: args.border.unwrap_or(Border::Closed),
+        faces: args.faces.unwrap_or(Faces::Separate),
         all_axes: args.all_axes,
-        self_intersections: true,
     };
-    let report = check(&mesh, &volume, &settings)
-        .map_err(|error| Failure::Undone(format!("{}: {error}", args.mesh.display())))?;
+    subject.check_formats()?;
+    if let Some(path) = &args.certificate {
+        check_targets(&[path], &[&args.mesh, volume])?;
+    }
+    let progress = Progress::new(console.quiet);
+    let examined = subject.examine(console, &progress)?;
+    if let Some(path) = &args.certificate {
+        certificate::write(path, &subject, &examined, &progress)?;
+    }
+    progress.stage("measuring the fairness");
+    let fairness = lines::fairness(&examined.mesh, Some(examined.volume.grid()))?;
     drop(progress);
     if args.json {
-        print_json(&Certificate::new(args, &report))?;
+        print_json(&Report::new(&subject, &examined, fairness))?;
     } else {
-        console.result(&lines(&report, &volume))?;
+        console.result(&lines(&examined.report, &examined.volume, fairness))?;
     }
-    verdict(args, &report)
+    verdict(&subject, &examined.report)
 }
 
-/// The inside points in the frame of the mesh, possibly none.
-fn volume(args: &CheckArgs, console: Console, progress: &Progress) -> Result<Occupancy, Failure> {
-    let (path, arguments) = (&args.volume, &args.selection);
-    let (_, _, contents) = input::contents(path, arguments, console)?;
-    let selection = Selection::new(path, arguments, &contents)?;
-    let volume = input::selected(path, arguments, &selection, console, progress)?.occupancy;
-    match arguments.coordinates() {
-        FrameChoice::World => Ok(volume),
-        FrameChoice::Index => {
-            let grid = Grid::new(volume.grid().dims(), [1.0; 3])?;
-            Ok(volume.with_grid(grid)?)
-        }
-    }
-}
-
-fn verdict(args: &CheckArgs, report: &CheckReport) -> Result<(), Failure> {
+fn verdict(subject: &Subject, report: &CheckReport) -> Result<(), Failure> {
     let problems = report.problems();
     let Some(first) = problems.first() else { return Ok(()) };
-    let more = match problems.len() - 1 {
-        0 => String::new(),
-        1 => " (and one more problem)".into(),
-        more => format!(" (and {more} more problems)"),
-    };
     Err(Failure::Undone(format!(
-        "{} does not separate the voxels of {} as it should: {first}{more}; \
+        "{} does not separate the voxels of {} as it should: {first}{}; \
          see that selection, --frame, --border and --faces are those the mesh was made with",
-        args.mesh.display(),
-        args.volume.display()
+        subject.mesh.display(),
+        subject.volume.display(),
+        more("problem", problems.len() - 1)
     )))
 }
 
-/// The certificate as JSON.
+fn more(what: &str, count: usize) -> String {
+    match count {
+        0 => String::new(),
+        1 => format!(" (and one more {what})"),
+        more => format!(" (and {more} more {what}s)"),
+    }
+}
+
+/// The findings as JSON.
 #[derive(Serialize)]
-struct Certificate {
+struct Report {
     mesh: String,
     volume: String,
     vertices: u64,
@@ -80,28 +86,32 @@ struct Certificate {
     checks: Checks,
     /// Euler characteristic of each component.
     euler: Vec<i64>,
+    /// Null for a mesh without triangles.
+    fairness: Option<FairnessReport>,
     notes: Vec<String>,
     version: &'static str,
 }
 
-impl Certificate {
-    fn new(args: &CheckArgs, report: &CheckReport) -> Self {
+impl Report {
+    fn new(subject: &Subject, examined: &Examined, fairness: Option<FairnessReport>) -> Self {
+        let report = &examined.report;
         let structure = &report.structure;
         Self {
-            mesh: name(&args.mesh),
-            volume: name(&args.volume),
+            mesh: name(subject.mesh),
+            volume: name(subject.volume),
             vertices: structure.vertices + structure.unused_vertices,
             triangles: structure.triangles,
             checks: Checks::new(report),
             euler: structure.components.iter().map(|component| component.euler).collect(),
+            fairness,
             notes: report.notes(),
             version: env!("CARGO_PKG_VERSION"),
         }
     }
 }
 
-/// The certificate in words, a line for each thing that was looked at.
-fn lines(report: &CheckReport, volume: &Occupancy) -> String {
+/// The findings in words, a line for each thing that was looked at.
+fn lines(report: &CheckReport, volume: &Occupancy, fairness: Option<FairnessReport>) -> String {
     let (structure, separation) = (&report.structure, &report.separation);
     let mut lines = vec![
         none("edges with one triangle", &report.stray_boundary_edges),
@@ -129,6 +139,7 @@ fn lines(report: &CheckReport, volume: &Occupancy) -> String {
     lines.push(topology("Euler characteristic", found, Some(wanted)));
     lines.extend(report.problems().iter().map(|problem| format!("      {problem}")));
     lines.extend(report.notes().iter().map(|note| format!("note  {note}")));
+    lines.extend(fairness.map(|fairness| format!("note  {}", fairness.in_words())));
     lines.join("\n")
 }
 
@@ -147,5 +158,74 @@ fn topology<T: PartialEq + std::fmt::Display>(what: &str, found: T, wanted: Opti
             line(true, &format!("{what} {found}, as the voxels ask"))
         }
         Some(wanted) => line(false, &format!("{what} {found}, but the voxels ask for {wanted}")),
+    }
+}
+
+fn verify(args: &CheckArgs, console: Console) -> Result<(), Failure> {
+    let selection = &args.selection;
+    let more_is_given = args.volume.is_some()
+        || args.certificate.is_some()
+        || args.faces.is_some()
+        || args.border.is_some()
+        || args.all_axes
+        || selection.is_given()
+        || selection.axes != Axes::Zyx;
+    if more_is_given {
+        return Err(Failure::Call(format!(
+            "{}: a certificate says itself what it is about: give it alone",
+            args.mesh.display()
+        )));
+    }
+    let progress = Progress::new(console.quiet);
+    let verdict = certificate::verify(&args.mesh, console, &progress)?;
+    drop(progress);
+    if args.json {
+        print_json(&verdict)?;
+    } else {
+        console.result(&verdict.in_words())?;
+    }
+    verdict.judge(&args.mesh)
+}
+
+impl Verdict {
+    /// A line for each part of the certificate, and for each field of it that the files contradict.
+    fn in_words(&self) -> String {
+        let mut lines: Vec<String> = Vec::new();
+        let part = |name: &str| -> String { name.split('.').take(2).collect::<Vec<_>>().join(".") };
+        for fields in self.fields.chunk_by(|a, b| part(&a.name) == part(&b.name)) {
+            if fields.iter().all(|field| field.agrees) {
+                lines.push(line(true, &part(&fields[0].name)));
+            }
+            for field in fields.iter().filter(|field| !field.agrees) {
+                let text = format!(
+                    "{}: the certificate says {}, the files say {}",
+                    field.name, field.certificate, field.files
+                );
+                lines.push(line(false, &text));
+            }
+        }
+        lines.join("\n")
+    }
+
+    fn judge(&self, path: &Path) -> Result<(), Failure> {
+        let wrong: Vec<&str> =
+            self.fields.iter().filter(|f| !f.agrees).map(|f| f.name.as_str()).collect();
+        let path = path.display();
+        match wrong[..] {
+            [] if self.holds => Ok(()),
+            [] => Err(Failure::Undone(format!(
+                "{path} is true, and says that the mesh is not as it should be: see its properties"
+            ))),
+            [first, ..] => {
+                // Another file explains all the rest.
+                let hash = wrong.iter().find(|name| name.ends_with("sha256"));
+                Err(Failure::Undone(format!(
+                    "{path} is not true of its files: {} differs{}; \
+                     get the files that were certified, or check the mesh anew",
+                    hash.unwrap_or(&first),
+                    more("field", wrong.len() - 1)
+                )))
+            }
+        }
     }
 }

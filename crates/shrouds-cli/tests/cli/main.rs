@@ -7,10 +7,12 @@ mod common;
 
 mod bad_calls;
 mod bad_input;
+mod certificate;
 mod check;
 mod compare;
 mod edit;
 mod figures;
+mod gallery;
 mod labels;
 mod lines;
 mod mesh;

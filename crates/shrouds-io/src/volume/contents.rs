@@ -1,5 +1,7 @@
 //! What a volume file holds besides the values of one lattice.
 
+use std::path::PathBuf;
+
 /// What a volume file holds besides the values of one lattice.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contents {
@@ -14,12 +16,15 @@ pub struct Contents {
     pub arrays: Vec<String>,
     /// What is doubtful about the file, and what was done about it.
     pub warnings: Vec<String>,
+    /// The files besides the one that was named: those of the data of a header, the header of data,
+    /// the layout of raw voxels. Of a folder, none are named here.
+    pub files: Vec<PathBuf>,
 }
 
 impl Default for Contents {
     fn default() -> Self {
-        let (segments, arrays, warnings) = (Vec::new(), Vec::new(), Vec::new());
-        Self { layers: 1, levels: 1, segments, arrays, warnings }
+        let (segments, arrays, warnings, files) = Default::default();
+        Self { layers: 1, levels: 1, segments, arrays, warnings, files }
     }
 }
 

@@ -34,7 +34,8 @@ pub(super) fn open<'a>(
     let layers = header.layers(path, &sizes)?;
     let chosen = options.layer.filter(|layer| *layer < layers.count).unwrap_or(0);
     let mut data = header.data(path, dims[0], Layers { chosen, ..layers })?;
-    let slabs = match header.data_files(path, &mut stream, at(sizes.len() - 1))? {
+    let files = header.data_files(path, &mut stream, at(sizes.len() - 1))?;
+    let slabs = match files.clone() {
         Some(files) => data.detached(path, files, options.progress)?,
         None => {
             // Counted from the start of the file, not from the end of the header.
@@ -50,7 +51,8 @@ pub(super) fn open<'a>(
         }
     };
     let warnings = header.warnings;
-    let contents = Contents { layers: layers.count, warnings, ..Contents::default() };
+    let files = files.unwrap_or_default();
+    let contents = Contents { layers: layers.count, warnings, files, ..Contents::default() };
     Ok(Unread { grid, frame, contents, slabs, z_fastest: false, scaling: None })
 }
 

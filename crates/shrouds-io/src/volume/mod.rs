@@ -7,6 +7,7 @@ mod contents;
 mod data;
 mod decode;
 mod file_names;
+mod files;
 mod metaimage;
 mod metaimage_frame;
 mod dicom;
@@ -43,6 +44,7 @@ use crate::stream::Stream;
 
 pub use contents::{Contents, Segment};
 pub use decode::ElementType;
+pub use files::volume_files;
 pub use npy::{write_npy, write_npy_labels};
 pub use options::{Axes, VolumeOptions};
 pub use raw::RawLayout;

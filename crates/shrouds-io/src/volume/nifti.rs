@@ -68,13 +68,20 @@ pub(super) fn open_pair<'a>(
     path: &'a Path,
     options: &VolumeOptions<'a>,
 ) -> Result<Unread<'a>, Error> {
-    let mut stream = unpacked_if_gzip(Stream::open_part(path, &partner(path, "hdr"), None, None)?)?;
+    let [first, second] = ["hdr", "img"].map(|extension| partner(path, extension));
+    let mut stream = unpacked_if_gzip(Stream::open_part(path, &first, None, None)?)?;
     let (header, used) = read_header(&mut stream)?;
-    if !header.detached {
-        return values(stream, used, &header, options);
-    }
-    let data = Stream::open_part(path, &partner(path, "img"), options.progress, None)?;
-    values(unpacked_if_gzip(data)?, 0, &Header { first_data: 0, ..header }, options)
+    let mut files = vec![first];
+    let mut unread = if header.detached {
+        let data = unpacked_if_gzip(Stream::open_part(path, &second, options.progress, None)?)?;
+        files.push(second);
+        values(data, 0, &Header { first_data: 0, ..header }, options)?
+    } else {
+        values(stream, used, &header, options)?
+    };
+    files.retain(|file| file != path);
+    unread.contents.files = files;
+    Ok(unread)
 }
 
 /// The file of a pair that has this extension: in the case of `path`, compressed as it is, or not.

@@ -27,13 +27,15 @@ pub(super) fn open<'a>(
     let layers = axes.layers(path)?;
     let chosen = options.layer.filter(|layer| *layer < layers.count).unwrap_or(0);
     let data = data(path, &header, axes.dims()[0], Layers { chosen, ..layers })?;
-    let slabs = match header.data_files(path, &axes.sizes)? {
+    let files = header.data_files(path, &axes.sizes)?;
+    let slabs = match files.clone() {
         None => data.attached(stream)?,
         Some(files) => data.detached(path, files, options.progress)?,
     };
     let segments = segments(&mut header, layers.count);
     let warnings = header.warnings;
-    let contents = Contents { layers: layers.count, segments, warnings, ..Contents::default() };
+    let (layers, files) = (layers.count, files.unwrap_or_default());
+    let contents = Contents { layers, segments, warnings, files, ..Contents::default() };
     Ok(Unread { grid, frame, contents, slabs, z_fastest: false, scaling: None })
 }
 

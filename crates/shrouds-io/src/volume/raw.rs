@@ -43,12 +43,17 @@ pub(super) fn open<'a>(
     options: &VolumeOptions<'a>,
 ) -> Result<Unread<'a>, Error> {
     let path = stream.path;
+    let mut files = Vec::new();
     let Described { layout, spacing, origin, unit, source } = match options.raw {
         Some(layout) => {
             let (spacing, origin, unit) = ([1.0; 3], [0.0; 3], "unknown".into());
             Described { layout, spacing, origin, unit, source: "none" }
         }
-        None => read_json(path)?,
+        None => {
+            let json = json_beside(path)?;
+            files.push(json.clone());
+            read_json(&json)?
+        }
     };
     let name = if source == "none" { "index" } else { "unnamed" };
     let affine = affine_of(diagonal(spacing), origin);
@@ -74,7 +79,7 @@ pub(super) fn open<'a>(
     Ok(Unread {
         grid,
         frame,
-        contents: Contents::default(),
+        contents: Contents { files, ..Contents::default() },
         slabs,
         z_fastest: false,
         scaling: None,
@@ -120,8 +125,8 @@ fn check_length(path: &Path, layout: &RawLayout, points: usize, length: u64) -> 
     })
 }
 
-/// The layout from `NAME.raw.json` or `NAME.json`.
-fn read_json(path: &Path) -> Result<Described, Error> {
+/// The file of JSON that has the layout: `NAME.raw.json` or `NAME.json`.
+fn json_beside(path: &Path) -> Result<PathBuf, Error> {
     let mut name = path.as_os_str().to_owned();
     name.push(".json");
     let candidates = [PathBuf::from(name), path.with_extension("json")];
@@ -136,12 +141,16 @@ fn read_json(path: &Path) -> Result<Described, Error> {
         };
         return Err(Error::Layout { path: path.into(), problem });
     };
+    Ok(json)
+}
+
+fn read_json(json: &Path) -> Result<Described, Error> {
     let mut text = String::new();
-    let read = File::open(&json).and_then(|file| file.take(MAX_JSON).read_to_string(&mut text));
-    read.map_err(|cause| Error::open(&json, cause))?;
+    let read = File::open(json).and_then(|file| file.take(MAX_JSON).read_to_string(&mut text));
+    read.map_err(|cause| Error::open(json, cause))?;
     let value: Value = serde_json::from_str(&text)
-        .map_err(|cause| Error::header(&json, format!("it is not JSON ({cause})")))?;
-    describe(&value).map_err(|problem| Error::header(&json, problem))
+        .map_err(|cause| Error::header(json, format!("it is not JSON ({cause})")))?;
+    describe(&value).map_err(|problem| Error::header(json, problem))
 }
 
 fn describe(value: &Value) -> Result<Described, String> {

@@ -68,6 +68,9 @@ fn a_pair_is_read_by_either_name_plain_or_compressed() {
             }
         }
     }
+    for name in ["a.hdr", "a.img"] {
+        assert_eq!(folder.files_of(name), ["a.hdr", "a.img"]);
+    }
     std::fs::remove_file(folder.path("a.img")).unwrap();
     let error = read_volume(folder.path("a.hdr"), &VolumeOptions::default()).unwrap_err();
     assert!(error.to_string().contains("a.img: cannot open it"), "{error}");

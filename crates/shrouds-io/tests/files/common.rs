@@ -8,6 +8,7 @@ use flate2::write::{GzEncoder, ZlibEncoder};
 use shrouds::Select;
 use shrouds_io::{
     Error, Selected, Values, Volume, VolumeOptions, read_contents, read_occupancy, read_volume,
+    volume_files,
 };
 use tempfile::TempDir;
 
@@ -191,6 +192,13 @@ fn has_layered_segments(path: &Path, options: &VolumeOptions) -> bool {
 pub(crate) struct Folder(TempDir);
 
 impl Folder {
+    /// The names of the files that a volume is read from, relative to this folder.
+    pub(crate) fn files_of(&self, name: &str) -> Vec<String> {
+        let files = volume_files(self.path(name), &VolumeOptions::default()).unwrap();
+        let own = |file: &PathBuf| file.strip_prefix(self.path("")).unwrap().display().to_string();
+        files.iter().map(own).collect()
+    }
+
     pub(crate) fn new() -> Self {
         Self(tempfile::tempdir().unwrap())
     }

@@ -87,6 +87,14 @@ fn a_detached_header_finds_its_data_in_every_way() {
         let volume = folder.volume("a.mhd", &file).unwrap_or_else(|e| panic!("{fields}: {e}"));
         assert_eq!(volume.values, Values::U8(data.clone()), "{fields}");
     }
+    let files_of = |fields: &str| {
+        folder.file("a.mhd", &metaimage(&format!("{FIELDS}{fields}"), b""));
+        folder.files_of("a.mhd")
+    };
+    assert_eq!(files_of("ElementDataFile = a b.raw\n"), ["a b.raw", "a.mhd"]);
+    assert_eq!(files_of("ElementDataFile = LIST\ns2\ns1\n"), ["a.mhd", "s1", "s2"]);
+    folder.file("a.mha", &metaimage(&format!("{FIELDS}ElementDataFile = LOCAL\n"), &data));
+    assert_eq!(folder.files_of("a.mha"), ["a.mha"]);
     for (fields, words) in [
         ("ElementDataFile = no.raw\n", "no.raw: cannot open it"),
         ("ElementDataFile = s1\n", "s1: expected 24 bytes of voxel data, found 12"),

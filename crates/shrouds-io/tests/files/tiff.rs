@@ -221,6 +221,8 @@ fn a_folder_is_read_in_the_order_of_its_numbers() {
     let warnings = &volume.contents.warnings;
     assert!(warnings[0].contains("Between s2.TIF and s10.tif"), "{warnings:?}");
     assert!(warnings[1].contains("1 other files"), "{warnings:?}");
+    let slices = ["scan/s1.tif", "scan/s10.tif", "scan/s11.tiff", "scan/s2.TIF"];
+    assert_eq!(folder.files_of("scan"), slices);
     let wider = tiff(&[(tiff_page(3, 1, 8, 1), vec![vec![1; 3]])], false, false);
     folder.file("scan/s3.tif", &wider);
     let error = read().unwrap_err().to_string();

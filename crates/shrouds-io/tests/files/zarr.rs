@@ -132,6 +132,8 @@ fn folders_are_known_by_name_or_by_what_they_hold() {
     let folder = Folder::new();
     assert_eq!(volume_format("no/such.ome.ZARR/").unwrap(), VolumeFormat::Zarr);
     let path = write(&folder, "array", &second(""));
+    let chunks = ["0.0.0", "0.0.1", "1.0.0", "1.0.1"].map(|chunk| format!("array/{chunk}"));
+    assert_eq!(folder.files_of("array"), [&["array/.zarray".into()], &chunks[..]].concat());
     assert_eq!(volume_format(path).unwrap(), VolumeFormat::Zarr);
     assert!(volume_format(write(&folder, "empty", &vec![])).is_err());
     let empty = write(&folder, "empty.zarr", &vec![]);

@@ -1,7 +1,7 @@
 //! Where triangles meet the lines and points of the lattice, in units of the index.
 
+use crate::check::predicates::area_vector;
 use crate::check::predicates::{COORDINATE_LIMIT, Corners};
-use crate::check::predicates::{area_vector, distance_squared, is_degenerate};
 use crate::check::predicates::{side_of_line_shifted, side_of_plane};
 use crate::check::structure::corners;
 use crate::error::Error;
@@ -11,7 +11,7 @@ use crate::parallel;
 use crate::volume::Border;
 
 /// A lattice point this close to the mesh, in units of the index, touches it and has no side.
-pub(super) const TOUCH: f64 = 1e-4;
+pub const TOUCH: f64 = 1e-4;
 /// Triangles per block of parallel work.
 const BLOCK: usize = 1 << 13;
 
@@ -125,7 +125,7 @@ fn height(triangle: &Corners, axis: usize, point: [usize; 3]) -> f64 {
     triangle[0][axis] - (aside(u) + aside(v)) / normal[axis]
 }
 
-fn position([i, j, k]: [usize; 3], dims: [usize; 3]) -> u64 {
+pub(super) fn position([i, j, k]: [usize; 3], dims: [usize; 3]) -> u64 {
     (k as u64 * dims[1] as u64 + j as u64) * dims[0] as u64 + i as u64
 }
 
@@ -188,7 +188,7 @@ fn first_behind(along: [f64; 3], count: usize, behind: impl Fn(usize) -> bool) -
 
 /// Calls `visit` with the whole points `[u, v]` in `0..limits` that may lie within `margin` of the
 /// flat triangle; a few more may be visited, none is left out.
-fn for_points_near(
+pub(super) fn for_points_near(
     flat: [[f64; 2]; 3],
     margin: f64,
     limits: [usize; 2],
@@ -234,48 +234,4 @@ fn slab(flat: [[f64; 2]; 3], y: f64, margin: f64) -> (f64, f64) {
         }
     }
     (span.0 - margin, span.1 + margin)
-}
-
-/// Positions of the lattice points within [`TOUCH`] of a triangle, sorted.
-pub(super) fn touching_points(mesh: &TriMesh, dims: [usize; 3]) -> Vec<u64> {
-    let blocks = parallel::blocks(mesh.triangles.len(), BLOCK, |range| {
-        let mut found = Vec::new();
-        range.for_each(|t| touching_triangle(&corners(mesh, t), dims, &mut found));
-        found
-    });
-    let mut touching = blocks.concat();
-    touching.sort_unstable();
-    touching.dedup();
-    touching
-}
-
-fn touching_triangle(triangle: &Corners, dims: [usize; 3], found: &mut Vec<u64>) {
-    // No whole number near the triangle along one axis: no lattice point is near it.
-    let near = |d: usize| {
-        let [a, b, c] = triangle.map(|p| p[d]);
-        (a.min(b).min(c) - TOUCH).ceil() <= (a.max(b).max(c) + TOUCH).floor()
-    };
-    if !(near(0) && near(1) && near(2)) || is_degenerate(triangle) {
-        return; // the neighbours across its longest edge cover a degenerate triangle
-    }
-    let normal = area_vector(triangle);
-    let steepest = |a: usize, b: usize| if normal[b].abs() > normal[a].abs() { b } else { a };
-    let axis = steepest(steepest(0, 1), 2);
-    let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
-    let flat = triangle.map(|p| [p[u], p[v]]);
-    for_points_near(flat, TOUCH, [dims[u], dims[v]], |[iu, iv]| {
-        let (du, dv) = (iu as f64 - triangle[0][u], iv as f64 - triangle[0][v]);
-        let height = triangle[0][axis] - (normal[u] * du + normal[v] * dv) / normal[axis];
-        let nearest = height.round();
-        // A point within TOUCH of the triangle is within 1 + √2 times that of its plane's height,
-        // because the plane rises at most 1 per step along either axis.
-        if (height - nearest).abs() > 4.0 * TOUCH || nearest < 0.0 || nearest >= dims[axis] as f64 {
-            return;
-        }
-        let mut point = [nearest; 3];
-        (point[u], point[v]) = (iu as f64, iv as f64);
-        if distance_squared(point, triangle) <= TOUCH * TOUCH {
-            found.push(position(point.map(|x| x as usize), dims));
-        }
-    });
 }

@@ -14,8 +14,9 @@
 //! surface ends at the outermost lattice planes and the first point of each line is taken to be
 //! right, so all three axes are needed to tie the lines together.
 
-use crate::check::crossing::{Change, crossings, in_index_coordinates, step, touching_points};
+use crate::check::crossing::{Change, crossings, in_index_coordinates, step};
 use crate::check::found::Found;
+use crate::check::near::touching_points;
 use crate::error::Error;
 use crate::mesh::TriMesh;
 use crate::parallel;
@@ -94,7 +95,7 @@ fn larger(a: Found<WrongPoint>, b: Found<WrongPoint>) -> Found<WrongPoint> {
     if b.count > a.count { b } else { a }
 }
 
-fn index_of(position: usize, [nx, ny, _]: [usize; 3]) -> [usize; 3] {
+pub(super) fn index_of(position: usize, [nx, ny, _]: [usize; 3]) -> [usize; 3] {
     [position % nx, position / nx % ny, position / nx / ny]
 }
 

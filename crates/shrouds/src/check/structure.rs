@@ -145,7 +145,7 @@ pub(super) fn corners(mesh: &TriMesh, index: usize) -> Corners {
     [mesh.vertices[a as usize], mesh.vertices[b as usize], mesh.vertices[c as usize]]
 }
 
-fn refuse_damage(mesh: &TriMesh) -> Result<(), Error> {
+pub(super) fn refuse_damage(mesh: &TriMesh) -> Result<(), Error> {
     let (vertices, triangles) = (mesh.vertices.len(), mesh.triangles.len());
     if triangles > u32::MAX as usize / 3 {
         return Err(Error::Mesh(format!("it has {triangles} triangles; check it in parts")));

@@ -99,7 +99,8 @@ fn euler_of_region(rows: &Rows, faces: FaceRule) -> i64 {
     slices.into_iter().sum()
 }
 
-fn low_bits(count: usize) -> u64 {
+/// A word with so many of its low bits set.
+pub(super) fn low_bits(count: usize) -> u64 {
     if count >= 64 { u64::MAX } else { (1 << count) - 1 }
 }
 

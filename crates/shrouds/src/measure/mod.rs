@@ -3,14 +3,23 @@
 //!
 //! Uses: `grid`, `surface`, `network`, `mesh`.
 
+mod bounds;
 mod contours;
 mod curvature;
+mod curvature_areas;
 mod fairness;
 mod integrals;
 mod planes;
+mod shape_operator;
+mod smooth;
+mod stars;
+mod uncertainty;
 
 pub use contours::{Contour, contours, network_contours};
-pub use curvature::{Curvature, curvatures};
+pub use curvature::{Curvature, curvatures, mesh_curvatures};
+pub use curvature_areas::{CurvatureAreas, SignAreas, curvature_areas, flat_threshold};
 pub use fairness::{Fairness, fairness};
 pub use integrals::{Integrals, PrincipalAxes, integrals};
 pub use planes::Planes;
+pub use smooth::smooth_integrals;
+pub use uncertainty::{Span, Uncertainty, calibrated_error, uncertainty};

@@ -7,7 +7,8 @@ use std::time::Instant;
 
 use shrouds_io::{MeshFormat, mesh_format, volume_format};
 
-use crate::args::{MeshArgs, SurfaceKind};
+use crate::args::{MeshArgs, SolveArgs, SurfaceKind};
+use crate::certificate::{self, Subject};
 use crate::console::{Console, grouped, number, print_json};
 use crate::failure::Failure;
 use crate::input;
@@ -30,6 +31,7 @@ pub(crate) fn run(args: &MeshArgs, console: Console) -> Result<(), Failure> {
         report: args.report.as_deref(),
     };
     check_attributes(args, mesh_format(&args.output)?)?;
+    check_certificate(args)?;
     check_files(args, &[&args.output])?;
     job.warn(console);
     let progress = Progress::new(console.quiet);
@@ -41,6 +43,9 @@ pub(crate) fn run(args: &MeshArgs, console: Console) -> Result<(), Failure> {
     } else {
         console.message(&summary(&args.output, &done.report));
     }
+    if let Some(path) = &args.certificate {
+        certify(args, path, console)?;
+    }
     done.verdict(&job, console)
 }
 
@@ -49,9 +54,37 @@ fn check_files(args: &MeshArgs, meshes: &[&Path]) -> Result<(), Failure> {
     volume_format(&args.input)?;
     let picture = args.picture.as_deref();
     picture.map_or(Ok(()), check_png)?;
-    let others = [picture, args.report.as_deref()];
+    let others = [picture, args.report.as_deref(), args.certificate.as_deref()];
     let targets: Vec<&Path> = meshes.iter().copied().chain(others.into_iter().flatten()).collect();
     check_targets(&targets, &[&args.input])
+}
+
+/// Whether the mesh can be read again for its certificate.
+fn check_certificate(args: &MeshArgs) -> Result<(), Failure> {
+    let is_read =
+        matches!(mesh_format(&args.output)?, MeshFormat::Ply | MeshFormat::Stl | MeshFormat::Obj);
+    if args.certificate.is_none() || is_read {
+        return Ok(());
+    }
+    let message =
+        "no format that is read again, which a --certificate needs; .ply, .stl and .obj are";
+    Err(Failure::Call(format!("{}: {message}", args.output.display())))
+}
+
+/// Checks the mesh as it was written and writes its certificate.
+fn certify(args: &MeshArgs, path: &Path, console: Console) -> Result<(), Failure> {
+    let SolveArgs { border, faces, .. } = args.shroud.solve;
+    let subject = Subject {
+        mesh: &args.output,
+        volume: &args.input,
+        selection: &args.volume,
+        border,
+        faces,
+        all_axes: false,
+    };
+    // What is doubtful about the volume has been told.
+    let silent = Console { quiet: true };
+    certificate::certify(path, &subject, silent, &Progress::new(console.quiet))
 }
 
 /// Whether the mesh and the format can have the numbers per vertex that are wanted.

@@ -13,7 +13,7 @@ enum Part<'n> {
 }
 
 /// The slices of a folder in their order, and what is doubtful about it.
-pub(super) fn slices(path: &Path) -> Result<(Vec<PathBuf>, Vec<String>), Error> {
+pub(in crate::volume) fn slices(path: &Path) -> Result<(Vec<PathBuf>, Vec<String>), Error> {
     let failed = |cause| Error::open(path, cause);
     let mut names = Vec::new();
     let mut others = 0usize;

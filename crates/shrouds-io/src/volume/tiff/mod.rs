@@ -24,7 +24,7 @@ use describe::Plan;
 use file::TiffFile;
 use page::{Image, Page};
 
-pub(super) use folder::holds_slices;
+pub(super) use folder::{holds_slices, slices};
 
 /// The tags that describe a file.
 const DESCRIPTION: u16 = 270;
