@@ -7,7 +7,7 @@ mod bodies;
 #[path = "common/random_bodies.rs"]
 mod random_bodies;
 
-use bodies::{Body, Random, Shape};
+use bodies::{BODIES, Body, Random, Shape};
 use shrouds::measure::{
     Curvature, Integrals, curvature_areas, curvatures, flat_threshold, integrals, mesh_curvatures,
     smooth_integrals, uncertainty,
@@ -18,8 +18,6 @@ use shrouds::optimize::{self, Preset};
 use shrouds::{Grid, Occupancy, Settings, Shroud, TriMesh, shroud};
 
 const UNIT: [f64; 3] = [1.0; 3];
-const BODIES: [(&str, fn(f64) -> Shape); 3] =
-    [("ball", Shape::ball), ("ellipsoid", Shape::ellipsoid), ("torus", Shape::torus)];
 
 fn exact(volume: &Occupancy, mesh: MeshKind) -> Shroud {
     let optimize = optimize::Settings { preset: Preset::Exact, ..Default::default() };

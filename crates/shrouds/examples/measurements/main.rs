@@ -16,7 +16,7 @@ mod random_bodies;
 use std::path::Path;
 use std::process::ExitCode;
 
-use bodies::{Body, Random, Shape};
+use bodies::{BODIES, Body, Random};
 use measured::{Case, HEAD, print};
 use random_bodies::Sample;
 use shrouds::mesh::MeshKind;
@@ -36,10 +36,6 @@ Usage: measurements accuracy POSITIONS     bodies of radius 5, 10, 20 and 50, al
 const PRESETS: [Preset; 2] = [Preset::Exact, Preset::Default];
 const MESHES: [MeshKind; 2] = [MeshKind::Primal, MeshKind::Dual];
 const SPACINGS: [[f64; 3]; 2] = [[1.0; 3], [1.0, 1.0, 3.0]];
-
-/// The bodies of a radius.
-const BODIES: [(&str, fn(f64) -> Shape); 3] =
-    [("ball", Shape::ball), ("ellipsoid", Shape::ellipsoid), ("torus", Shape::torus)];
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -16,8 +16,8 @@ use std::f64::consts::PI;
 use crate::grid::Grid;
 use crate::parallel;
 use crate::surface::Surface;
-use crate::volume::Border;
 use crate::vector::{Vector, add, cross, dot, length, scale, subtract};
+use crate::volume::Border;
 
 /// Triangles that one block sums up.
 const BLOCK: usize = 1 << 12;

@@ -43,6 +43,13 @@ pub struct Body {
     pub centre: [f64; 3],
 }
 
+/// A shape of any radius, with its name.
+pub type Family = (&'static str, fn(f64) -> Shape);
+
+/// The shapes that are measured at several radii.
+pub const BODIES: [Family; 3] =
+    [("ball", Shape::ball), ("ellipsoid", Shape::ellipsoid), ("torus", Shape::torus)];
+
 impl Shape {
     pub fn ball(radius: f64) -> Self {
         Self::Ellipsoid([radius; 3])
