@@ -1,7 +1,8 @@
 """Makes the tables of docs/measurements.md.
 
 `cargo xtask measurements` builds what this needs and calls it. The example `measurements` of the
-library measures shrouds of bodies whose area and volume are known; the peers measure the same volumes here.
+library measures shrouds of bodies whose area and volume are known; the peers measure the same volumes
+here.
 """
 
 import argparse
@@ -48,7 +49,7 @@ def main():
     ):
         print(f"\n{name}\n\n{lines}", flush=True)
         mark = re.compile(
-            rf"(<!-- measurements {name} -->\n).*?(\n<!-- /measurements {name} -->)", re.S
+            rf"(<!-- measurements {name} -->\n).*?(\n<!-- /measurements {name} -->)", re.DOTALL
         )
         text, count = mark.subn(lambda m, lines=lines: f"{m[1]}\n{lines}\n{m[2]}", text)
         if count != 1:
