@@ -1,4 +1,4 @@
-//! Project tasks: `cargo xtask test | data | figures | bench | compression | train`.
+//! Project tasks: `cargo xtask test | data | figures | bench | compression | measurements | train`.
 
 mod bench;
 mod bench_instructions;
@@ -6,6 +6,7 @@ mod compression;
 mod data;
 mod data_packages;
 mod figures;
+mod measurements;
 mod python;
 mod test;
 
@@ -28,6 +29,8 @@ Tasks:
   figures  The figures of the paper, made again from that data, into docs/gallery
   bench  Accuracy, time and memory of the release build and its peers; see bench --help
   compression  Sizes of packed volumes and those of other coders, into docs/benchmarks.md
+  measurements  Accuracy of measures, calibration of their errors and the areas of other programs, into
+         docs/measurements.md; with --quick of few bodies, printed
   train  Make the prior of the profile dense again: a new version of the file format
 ";
 
@@ -39,6 +42,7 @@ fn main() -> ExitCode {
         ["bench", ref options @ ..] => bench::run(options),
         ["figures"] => figures::run(),
         ["compression"] => compression::run(),
+        ["measurements", ref options @ ..] => measurements::run(options),
         ["train"] => compression::train(),
         ["help" | "--help" | "-h"] => {
             print!("{HELP}");

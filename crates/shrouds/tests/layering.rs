@@ -26,7 +26,10 @@ const ARROWS: &[(&str, &[&str])] = &[
         ],
     ),
     ("mesh", &["grid", "surface", "network", "error", "parallel", "vector"]),
-    ("measure", &["grid", "surface", "network", "mesh", "error", "parallel", "vector"]),
+    (
+        "measure",
+        &["grid", "volume::Border", "surface", "network", "mesh", "error", "parallel", "vector"],
+    ),
     (
         "polygon",
         &[
