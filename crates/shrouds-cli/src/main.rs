@@ -11,6 +11,7 @@ mod energies;
 mod failure;
 mod frame;
 mod input;
+mod label_map;
 mod lines;
 mod measure;
 mod output;

@@ -6,6 +6,7 @@ mod contours;
 mod demo;
 mod edit;
 mod info;
+mod measure;
 mod mesh;
 mod network;
 mod pack;
@@ -28,6 +29,7 @@ pub(crate) fn run(cli: &Cli) -> Result<(), Failure> {
         Verb::Info(args) => info::run(args, console),
         Verb::Render(args) => render::run(args, console),
         Verb::Compare(args) => compare::run(args, console),
+        Verb::Measure(args) => measure::run(args, console),
         Verb::Network(args) => network::run(args, console),
         Verb::Contours(args) => contours::run(args, console),
         Verb::Polygon(args) => polygon::run(args, console),
