@@ -18,22 +18,19 @@ pub(crate) struct LabelMap {
     /// For every voxel, x fastest, the place of its label in the list.
     numbers: Vec<u16>,
     grid: Grid,
-    /// Where the voxels of each label lie, and how many they are.
-    found: Vec<(Window, u64)>,
+    /// Where the voxels of each label lie.
+    windows: Vec<Option<Window>>,
 }
 
 impl LabelMap {
     /// Nothing if the values are no labels.
     pub(crate) fn new(volume: &Volume) -> Option<Self> {
         let (labels, numbers) = volume.values.numbered()?;
-        let nothing: Window = std::array::from_fn(|_| usize::MAX..0);
-        let mut found = vec![(nothing, 0); labels.len()];
+        let mut windows = vec![None; labels.len()];
         for (index, &number) in indices(volume.grid.dims()).zip(&numbers) {
-            let (window, count) = &mut found[usize::from(number)];
-            include(window, index);
-            *count += 1;
+            include(&mut windows[usize::from(number)], index);
         }
-        Some(Self { labels, numbers, grid: volume.grid.clone(), found })
+        Some(Self { labels, numbers, grid: volume.grid.clone(), windows })
     }
 
     /// The labels but 0, each with its number.
@@ -50,10 +47,6 @@ impl LabelMap {
         self.labels[usize::from(number)]
     }
 
-    pub(crate) fn count(&self, number: u16) -> u64 {
-        self.found[usize::from(number)].1
-    }
-
     /// The number of the label of a voxel.
     pub(crate) fn number_at(&self, [i, j, k]: [usize; 3]) -> u16 {
         let [nx, ny, _] = self.grid.dims();
@@ -62,7 +55,7 @@ impl LabelMap {
 
     /// Where the voxels of a label lie.
     pub(crate) fn window(&self, number: u16) -> Window {
-        self.found[usize::from(number)].0.clone()
+        self.windows[usize::from(number)].clone().unwrap_or_else(|| self.whole())
     }
 
     pub(crate) fn whole(&self) -> Window {
@@ -94,7 +87,7 @@ impl LabelMap {
     pub(crate) fn neighbours(&self) -> BTreeMap<[u16; 2], Window> {
         let outside = self.number_of(0);
         let dims = self.grid.dims();
-        let mut pairs = BTreeMap::new();
+        let mut pairs: BTreeMap<[u16; 2], Option<Window>> = BTreeMap::new();
         for (index, &number) in indices(dims).zip(&self.numbers) {
             if Some(number) == outside {
                 continue;
@@ -110,13 +103,12 @@ impl LabelMap {
                     continue;
                 }
                 let pair = [number.min(other), number.max(other)];
-                let nothing = || std::array::from_fn(|_| usize::MAX..0);
-                let window = pairs.entry(pair).or_insert_with(nothing);
+                let window = pairs.entry(pair).or_default();
                 include(window, index);
                 include(window, next);
             }
         }
-        pairs
+        pairs.into_iter().filter_map(|(pair, window)| Some((pair, window?))).collect()
     }
 }
 
@@ -125,8 +117,9 @@ fn indices([nx, ny, nz]: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
     (0..nz).flat_map(move |k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])))
 }
 
-fn include(window: &mut Window, index: [usize; 3]) {
-    for (range, i) in window.iter_mut().zip(index) {
+fn include(window: &mut Option<Window>, index: [usize; 3]) {
+    let wide = window.get_or_insert_with(|| index.map(|i| i..i + 1));
+    for (range, i) in wide.iter_mut().zip(index) {
         *range = range.start.min(i)..range.end.max(i + 1);
     }
 }
