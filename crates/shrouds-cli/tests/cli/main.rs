@@ -12,6 +12,7 @@ mod compare;
 mod edit;
 mod labels;
 mod lines;
+mod measure;
 mod mesh;
 mod pack;
 mod polygon;
