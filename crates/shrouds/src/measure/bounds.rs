@@ -9,7 +9,7 @@
 //! *Area.* The vector area of a triangle is linear in each of its three δ, so each of its components has
 //! its extremes where all three are 0 or 1, and so has its length the largest. The sums over triangles of the
 //! least and the largest are bounds, but no surface need reach them: neighbours share vertices. Of all bodies
-//! of a volume the ball has the least area, which is often the better lower bound.
+//! of a volume the ball has the least area, which is often the better lower bound of a closed surface.
 
 use std::f64::consts::PI;
 
@@ -17,11 +17,13 @@ use crate::grid::Grid;
 use crate::parallel;
 use crate::surface::Surface;
 use crate::vector::{Vector, add, cross, dot, length, scale, subtract};
+use crate::volume::Border;
 
 /// Triangles that one block sums up.
 const BLOCK: usize = 1 << 12;
 
-/// The smallest and largest volume of a separating surface of a closed border, in cubic world units.
+/// Of volume and of area, each the least and the largest, in cubic and squared world units. Those of volume
+/// mean something for a closed border only.
 pub(super) fn bounds(surface: &Surface) -> [[f64; 2]; 2] {
     let ends = ends(surface);
     let triangles = surface.fixed_triangles();
@@ -31,8 +33,10 @@ pub(super) fn bounds(surface: &Surface) -> [[f64; 2]; 2] {
     });
     let all = sums.into_iter().fold(Extremes::default(), Extremes::add);
     let volume = all.volume.map(|sum| sum / 6.0);
-    // Ball of the least volume.
-    let ball = (36.0 * PI).cbrt() * volume[0].max(0.0).powi(2).cbrt();
+    let ball = match surface.border() {
+        Border::Closed => (36.0 * PI).cbrt() * volume[0].max(0.0).powi(2).cbrt(),
+        Border::Open => 0.0,
+    };
     [volume, [ball.max(0.5 * all.area[0]), 0.5 * all.area[1]]]
 }
 

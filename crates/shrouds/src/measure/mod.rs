@@ -1,7 +1,7 @@
 //! Stage 7 of 7, measure: in placed vertices and their network, or any mesh, out what can be said
 //! about the surface.
 //!
-//! Uses: `grid`, `surface`, `network`, `mesh`, `tree`.
+//! Uses: `grid`, `volume` (its border), `surface`, `network`, `mesh`, `tree`.
 
 mod bounds;
 mod clip;

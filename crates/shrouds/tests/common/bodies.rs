@@ -1,4 +1,5 @@
 //! Bodies whose area, volume and areas by the sign of the Gaussian curvature are known.
+#![allow(dead_code, unreachable_pub, clippy::unwrap_used)]
 
 use std::f64::consts::{PI, TAU};
 
@@ -21,8 +22,8 @@ pub enum Shape {
     /// A ball whose radius has waves: for each a pole, the degree of its Legendre polynomial and its
     /// height over the radius.
     Wavy { radius: f64, waves: Vec<([f64; 3], usize, f64)> },
-    /// By its sides; its edges are sharp.
-    Cuboid([f64; 3]),
+    /// All points at most `radius` from a box with these sides: a capsule where two are 0.
+    Rounded { sides: [f64; 3], radius: f64 },
 }
 
 /// What is known of a shape.
@@ -41,6 +42,13 @@ pub struct Body {
     pub turn: [[f64; 3]; 3],
     pub centre: [f64; 3],
 }
+
+/// A shape of any radius, with its name.
+pub type Family = (&'static str, fn(f64) -> Shape);
+
+/// The shapes that are measured at several radii.
+pub const BODIES: [Family; 3] =
+    [("ball", Shape::ball), ("ellipsoid", Shape::ellipsoid), ("torus", Shape::torus)];
 
 impl Shape {
     pub fn ball(radius: f64) -> Self {
@@ -65,14 +73,17 @@ impl Shape {
                 };
                 size / radius - 1.0 - waves.iter().map(height).sum::<f64>()
             }
-            Self::Cuboid(sides) => {
-                (0..3).map(|k| p[k].abs() - sides[k] / 2.0).fold(f64::MIN, f64::max)
+            Self::Rounded { sides, radius } => {
+                let beyond: [f64; 3] = std::array::from_fn(|k| p[k].abs() - sides[k] / 2.0);
+                let deepest = beyond.into_iter().fold(f64::MIN, f64::max);
+                norm(beyond.map(|x| x.max(0.0))) + deepest.min(0.0) - radius
             }
         }
     }
 
     /// How far from the origin it reaches.
     pub fn reach(&self) -> f64 {
+        let norm = |p: [f64; 3]| p.iter().map(|x| x * x).sum::<f64>().sqrt();
         let longest = |axes: &[f64; 3]| axes.iter().fold(0.0, |a: f64, b| a.max(*b));
         match self {
             Self::Ellipsoid(axes) => longest(axes),
@@ -81,7 +92,30 @@ impl Shape {
             Self::Wavy { radius, waves } => {
                 radius * (1.0 + waves.iter().map(|(_, _, height)| height.abs()).sum::<f64>())
             }
-            Self::Cuboid(sides) => 0.5 * sides.iter().map(|x| x * x).sum::<f64>().sqrt(),
+            Self::Rounded { sides, radius } => radius + 0.5 * norm(*sides),
+        }
+    }
+
+    /// An ellipsoid with half axes as 1.3 : 1 : 1/1.3 and the volume of this ball.
+    pub fn ellipsoid(radius: f64) -> Self {
+        Self::Ellipsoid([1.3 * radius, radius, radius / 1.3])
+    }
+
+    /// A torus whose tube is 0.4 of the ring.
+    pub fn torus(radius: f64) -> Self {
+        Self::Torus { ring: radius, tube: 0.4 * radius }
+    }
+
+    /// The true principal curvatures near a place of the surface, for balls and tori; largest first.
+    pub fn principal(&self, p: [f64; 3]) -> Option<[f64; 2]> {
+        match *self {
+            Self::Ellipsoid([a, b, c]) if a == b && b == c => Some([1.0 / a; 2]),
+            Self::Torus { ring, tube } => {
+                let outwards = p[0].hypot(p[1]) - ring;
+                let cosine = outwards / outwards.hypot(p[2]);
+                Some([1.0 / tube, cosine / (ring + tube * cosine)])
+            }
+            _ => None,
         }
     }
 
@@ -95,11 +129,15 @@ impl Shape {
                     TAU * tube * (PI * ring - 2.0 * tube),
                 ]),
             },
-            Self::Cuboid([a, b, c]) => Truth {
-                area: 2.0 * (a * b + b * c + c * a),
-                volume: a * b * c,
-                signs: Some([0.0; 2]),
-            },
+            // Steiner's formula.
+            Self::Rounded { sides: [a, b, c], radius: r } => {
+                let (faces, edges) = (2.0 * (a * b + b * c + c * a), PI * (a + b + c));
+                Truth {
+                    area: faces + 2.0 * edges * r + 2.0 * TAU * r * r,
+                    volume: a * b * c + faces * r + edges * r * r + 2.0 / 3.0 * TAU * r.powi(3),
+                    signs: None,
+                }
+            }
             _ => self.star(),
         }
     }
