@@ -73,36 +73,27 @@ pub fn contact_area(one: &Occupancy, other: &Occupancy, settings: &Settings) -> 
     area_within(&sheet, &both)
 }
 
-/// First and last index along each axis of the points that a grid edge joins to the other body, both ends
-/// counted.
+/// First and last index along each axis of the points that a grid edge joins to the other body.
 fn face(one: &Occupancy, other: &Occupancy) -> Option<[[usize; 2]; 3]> {
     let (a, b) = (one.bounding_box()?, other.bounding_box()?);
-    let [x, y, z]: [_; 3] = std::array::from_fn(|d| {
-        a[d].start.max(b[d].start).saturating_sub(1)..(a[d].end + 1).min(b[d].end + 1)
-    });
     let dims = one.grid().dims();
+    // Where the lower ends of such edges can be.
+    let [x, y, z]: [_; 3] = std::array::from_fn(|d| {
+        a[d].start.max(b[d].start).saturating_sub(1)..a[d].end.min(b[d].end)
+    });
+    let points = z.flat_map(|k| {
+        let (x, y) = (&x, &y);
+        y.clone().flat_map(move |j| x.clone().map(move |i| [i, j, k]))
+    });
     let mut found: Option<[[usize; 2]; 3]> = None;
-    for k in z {
-        for j in y.clone() {
-            for i in x.clone() {
-                let here = [i, j, k];
-                for axis in 0..3 {
-                    let mut next = here;
-                    next[axis] += 1;
-                    if next[axis] >= dims[axis] || (0..3).any(|d| here[d] >= dims[d]) {
-                        continue;
-                    }
-                    let joined =
-                        one.get(here) && other.get(next) || other.get(here) && one.get(next);
-                    if joined {
-                        let [low, high] = [here, next];
-                        let box_so_far =
-                            found.unwrap_or(std::array::from_fn(|d| [low[d], high[d]]));
-                        found = Some(std::array::from_fn(|d| {
-                            [box_so_far[d][0].min(low[d]), box_so_far[d][1].max(high[d])]
-                        }));
-                    }
-                }
+    for low in points {
+        for axis in (0..3).filter(|&axis| low[axis] + 1 < dims[axis]) {
+            let mut high = low;
+            high[axis] += 1;
+            if one.get(low) && other.get(high) || other.get(low) && one.get(high) {
+                let known = found.unwrap_or_else(|| low.map(|i| [i, i]));
+                let wider = |d: usize| [known[d][0].min(low[d]), known[d][1].max(high[d])];
+                found = Some([0, 1, 2].map(wider));
             }
         }
     }

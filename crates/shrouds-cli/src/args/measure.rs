@@ -10,6 +10,7 @@ pub(crate) const MEASURE_HELP: &str = "\
 Every column names its unit, that of the file: mm, mm², 1/mm. Positions and directions are in the world
 coordinates of the file, which the first line names. Beside volume and area stand the span they could have
 over all separating surfaces and a calibrated error. docs/measurements.md says what each number means.
+The preset is exact unless another is given, and default for contacts.
 
 Examples, the liver (label 6), and all labels of an atlas with the areas in which they touch:
   shrouds measure organs.nii.gz --label 6

@@ -10,8 +10,8 @@ mod volumes;
 use std::path::Path;
 use std::time::Instant;
 
-use shrouds::Grid;
 use shrouds::mesh::MeshKind;
+use shrouds::{Grid, TriMesh};
 use shrouds_io::{Frame, read_mesh};
 
 use crate::args::{MeasureArgs, Preset, Solver};
@@ -36,41 +36,30 @@ pub(crate) fn run(args: &MeasureArgs, console: Console) -> Result<(), Failure> {
     let job = job(args)?;
     check_call(args, kind)?;
     let progress = Progress::new(console.quiet);
-    let mut run = Run {
-        args,
-        job: &job,
-        console,
-        progress: &progress,
-        other: other(args)?,
-        rows: Vec::new(),
-        contacts: Vec::new(),
-    };
-    let (world, selection) = match kind {
-        Kind::Mesh => {
-            meshes(&mut run)?;
-            (None, None)
-        }
+    let run = Run { args, job: &job, console, progress: &progress, other: other(args)? };
+    let (rows, bodies) = match kind {
+        Kind::Mesh => (meshes(&run)?, None),
         Kind::Volume => {
             job.warn(console);
-            let (lattice, frame, selection) = run.volume()?;
-            (Some((lattice, frame)), Some(selection))
+            let mut bodies = run.volume()?;
+            (std::mem::take(&mut bodies.rows), Some(bodies))
         }
     };
-    let Run { rows, contacts, .. } = run;
     drop(progress);
+    let bodies = bodies.as_ref();
     let columns = columns(&rows);
-    let unit = world.as_ref().map_or(OWN_UNIT.into(), |(lattice, frame)| unit(lattice, frame));
+    let unit = bodies.map_or(OWN_UNIT.into(), |of| unit(&of.lattice, &of.frame));
     let report = Report {
         input: name(&args.input),
-        selection,
-        frame: world.as_ref().map(|(_, frame)| frame.name.clone()),
-        handedness: world.as_ref().and_then(|(_, frame)| handedness(frame)),
+        selection: bodies.map(|of| of.selection.clone()),
+        frame: bodies.map(|of| of.frame.name.clone()),
+        handedness: bodies.and_then(|of| handedness(&of.frame)),
         units: Units { entries: &columns, length: &unit },
         unit: unit.clone(),
         settings: (kind == Kind::Volume).then_some(&job.report),
         distance_to: args.distance_to.as_deref().map(name),
         rows: &rows,
-        contacts: args.contacts.then_some(&contacts),
+        contacts: bodies.filter(|_| args.contacts).map(|of| &of.contacts[..]),
         time: start.elapsed().as_secs_f64(),
         memory: peak_memory(),
         version: env!("CARGO_PKG_VERSION"),
@@ -125,29 +114,28 @@ fn other(args: &MeasureArgs) -> Result<Other, Failure> {
 }
 
 /// Measures a mesh file, or each of its parts.
-fn meshes(run: &mut Run) -> Result<(), Failure> {
+fn meshes(run: &Run) -> Result<Vec<Row>, Failure> {
     run.progress.stage("reading");
     let mesh = read_mesh(&run.args.input)?;
     let parts = if run.args.components { parts::parts(&mesh) } else { vec![mesh] };
-    let made;
+    let made = match run.other {
+        Other::Volume => run.other_selection(None)?,
+        _ => None,
+    };
     let other = match &run.other {
-        Other::Nothing => None,
         Other::Mesh(mesh) => Some(mesh),
-        Other::Volume => {
-            made = run.other_selection(None)?;
-            made.as_ref()
-        }
+        _ => made.as_ref(),
     };
     run.progress.stage("measuring");
-    for (n, mesh) in parts.iter().enumerate() {
+    let row = |(n, mesh): (usize, &TriMesh)| {
         let body = Body { mesh, shroud: None, kind: MeshKind::Primal, voxels: None };
         let measured = body.measure(other).map_err(|failure| {
             Failure::Undone(format!("{}: {}", run.args.input.display(), failure.message()))
         })?;
         let component = run.args.components.then_some(n + 1);
-        run.rows.push(Row { name: Name { component, ..Name::default() }, measured });
-    }
-    Ok(())
+        Ok(Row { name: Name { component, ..Name::default() }, measured })
+    };
+    parts.iter().enumerate().map(row).collect()
 }
 
 /// The columns of the row that has most.

@@ -1,5 +1,8 @@
 //! The bodies of a volume: all that is selected, each label, or each connected component.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
 use shrouds::optimize::Status;
 use shrouds::volume::Border;
 use shrouds::{Grid, Occupancy, TriMesh};
@@ -11,7 +14,7 @@ use super::report::Row;
 use crate::args::MeasureArgs;
 use crate::console::{Console, plural};
 use crate::failure::Failure;
-use crate::input;
+use crate::input::{self, Source};
 use crate::label_map::{LabelMap, Window};
 use crate::progress::Progress;
 use crate::report::peak_memory;
@@ -32,13 +35,21 @@ pub(super) enum Other {
     Volume,
 }
 
-/// Rows so far, and all that is needed for more.
+/// What is measured, and how.
 pub(super) struct Run<'a> {
     pub(super) args: &'a MeasureArgs,
     pub(super) job: &'a Job,
     pub(super) console: Console,
     pub(super) progress: &'a Progress,
     pub(super) other: Other,
+}
+
+/// All bodies of a volume.
+pub(super) struct Bodies {
+    pub(super) lattice: Grid,
+    pub(super) frame: Frame,
+    /// What was selected, in words.
+    pub(super) selection: String,
     pub(super) rows: Vec<Row>,
     pub(super) contacts: Vec<Contact>,
 }
@@ -52,14 +63,15 @@ pub(super) struct Name {
 }
 
 impl Run<'_> {
-    /// Measures a volume file; returns its lattice, its frame and what was selected, in words.
-    pub(super) fn volume(&mut self) -> Result<(Grid, Frame, String), Failure> {
+    /// Measures a volume file.
+    pub(super) fn volume(&self) -> Result<Bodies, Failure> {
         let (path, args) = (&self.args.input, &self.args.volume);
         if self.args.each.is_none() {
-            let source = input::source(path, args, self.console, self.progress)?;
-            let other = self.other_selection(Some(&source.frame))?;
-            self.body(&Name::default(), source.occupancy, other.as_ref())?;
-            return Ok((source.lattice, source.frame, source.selection));
+            let Source { occupancy, lattice, frame, selection, .. } =
+                input::source(path, args, self.console, self.progress)?;
+            let other = self.other_selection(Some(&frame))?;
+            let rows = self.body(&Name::default(), occupancy, other.as_ref())?;
+            return Ok(Bodies { lattice, frame, selection, rows, contacts: Vec::new() });
         }
         let (lattice, frame, contents) = input::contents(path, args, self.console)?;
         let layers = match args.layer() {
@@ -67,19 +79,26 @@ impl Run<'_> {
             None if contents.has_layers_of_segments() => (0..contents.layers).map(Some).collect(),
             None => vec![None],
         };
+        let selection = "every label but 0".into();
+        let (rows, contacts) = (Vec::new(), Vec::new());
+        let mut all = Bodies { lattice, frame, selection, rows, contacts };
         for layer in layers {
-            self.layer(layer, &contents)?;
+            self.layer(layer, &contents, &mut all)?;
         }
-        self.progress.part("");
-        if self.rows.is_empty() {
+        if all.rows.is_empty() {
             let message = "there is no label but 0; check that this is the segmentation";
             return Err(Failure::Undone(format!("{}: {message}", path.display())));
         }
-        Ok((lattice, frame, "every label but 0".into()))
+        Ok(all)
     }
 
-    /// The labels of one layer of the file.
-    fn layer(&mut self, layer: Option<usize>, contents: &Contents) -> Result<(), Failure> {
+    /// Adds the labels of one layer of the file, several at a time: most are small.
+    fn layer(
+        &self,
+        layer: Option<usize>,
+        contents: &Contents,
+        all: &mut Bodies,
+    ) -> Result<(), Failure> {
         let (map, frame) = self.label_map(&self.args.input, layer)?;
         let others = match (&self.other, &self.args.distance_to) {
             (Other::Volume, Some(path)) => {
@@ -89,30 +108,35 @@ impl Run<'_> {
             }
             _ => None,
         };
-        let count = map.all().count();
-        let (first, mut names) = (self.rows.len(), Vec::new());
-        for (n, (number, label)) in map.all().enumerate() {
-            let part = format!("label {label}, {} of {count}", n + 1);
-            self.progress.part(&part);
+        let name = |(number, label)| {
             let mut segments = contents.segments_of(layer.unwrap_or(0));
             let segment = segments.find(|segment| segment.label == label);
             let segment = segment.map_or(String::new(), |segment| segment.name.clone());
-            let name = Name { label: Some(label), segment, component: None };
+            (number, Name { label: Some(label), segment, component: None })
+        };
+        let names: Vec<(u16, Name)> = map.all().map(name).collect();
+        let begun = AtomicUsize::new(0);
+        let rows = names.par_iter().map(|(number, name)| {
+            let at = begun.fetch_add(1, Ordering::Relaxed) + 1;
+            self.progress.part(&format!("label {at} of {}", names.len()));
             let other = match &others {
-                Some(other) => self.other_label(other, label)?,
+                Some(other) => self.other_label(other, map.label(*number))?,
                 None => None,
             };
-            let occupancy = map.occupancy(&self.window(&map, number), |n| n == number)?;
-            self.body(&name, occupancy, other.as_ref())?;
-            names.push((number, name));
-        }
+            let occupancy = map.occupancy(&self.window(&map, *number), |n| n == *number)?;
+            self.body(name, occupancy, other.as_ref())
+        });
+        let rows: Vec<Vec<Row>> = rows.collect::<Result<_, Failure>>()?;
+        let first = all.rows.len();
+        all.rows.extend(rows.into_iter().flatten());
         if self.args.contacts {
-            let found = contacts::find(&map, &names, self.job, self.progress)?;
-            for row in &mut self.rows[first..] {
+            let found = contacts::find(&map, &names, self)?;
+            for row in &mut all.rows[first..] {
                 row.add_outside(found.outside_of(row.name.label));
             }
-            self.contacts.extend(found.between);
+            all.contacts.extend(found.between);
         }
+        self.progress.part("");
         Ok(())
     }
 
@@ -139,24 +163,20 @@ impl Run<'_> {
 
     /// A row for a body, or for each of its components.
     fn body(
-        &mut self,
+        &self,
         name: &Name,
         occupancy: Occupancy,
         other: Option<&TriMesh>,
-    ) -> Result<(), Failure> {
+    ) -> Result<Vec<Row>, Failure> {
         if !self.args.components {
-            return self.row(name.clone(), &self.cropped(occupancy)?, other);
+            return Ok(vec![self.row(name.clone(), &self.cropped(occupancy)?, other)?]);
         }
         let components = occupancy.components(self.job.settings.faces);
-        let part = name.label.map_or(String::new(), |label| format!("label {label}, "));
-        for n in 0..components.count() {
-            let count = components.count();
-            self.progress.part(&format!("{part}component {} of {count}", n + 1));
+        let row = |n: usize| {
             let one = self.cropped(components.select(|m| m == n))?;
-            let name = Name { component: Some(n + 1), ..name.clone() };
-            self.row(name, &one, other)?;
-        }
-        Ok(())
+            self.row(Name { component: Some(n + 1), ..name.clone() }, &one, other)
+        };
+        (0..components.count()).map(row).collect()
     }
 
     fn cropped(&self, occupancy: Occupancy) -> Result<Occupancy, Failure> {
@@ -171,11 +191,11 @@ impl Run<'_> {
     }
 
     fn row(
-        &mut self,
+        &self,
         name: Name,
         occupancy: &Occupancy,
         other: Option<&TriMesh>,
-    ) -> Result<(), Failure> {
+    ) -> Result<Row, Failure> {
         let shroud = work::shroud(occupancy, self.job, self.progress)?;
         self.progress.stage("measuring");
         let body = Body {
@@ -195,8 +215,7 @@ impl Run<'_> {
         if !matches!(shroud.report.status, Status::Converged | Status::Preset | Status::Empty) {
             measured.notes.push(LATE.into());
         }
-        self.rows.push(Row { name, measured });
-        Ok(())
+        Ok(Row { name, measured })
     }
 
     /// The surface of the same selection in the other volume, if there is one.
