@@ -1,7 +1,8 @@
 """Makes the tables of docs/measurements.md.
 
-`cargo xtask measurements` builds what this needs and calls it. The example `measurements` of the library
-measures shrouds of bodies whose area and volume are known; the peers measure the same volumes here.
+`cargo xtask measurements` builds what this needs and calls it. The example `measurements` of the
+library measures shrouds of bodies whose area and volume are known; the peers measure the same volumes
+here.
 """
 
 import argparse
@@ -36,14 +37,20 @@ def main():
     for name in ("tool", "folder", "document"):
         parser.add_argument(f"--{name}", type=Path, required=True)
     parser.add_argument("--quick", action="store_true", help="few bodies, print only")
-    parser.add_argument("--again", action="store_true", help="from the measurements of the last time")
+    parser.add_argument(
+        "--again", action="store_true", help="from the measurements of the last time"
+    )
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
     few, again = options.quick, options.again
     text = options.document.read_text()
-    for name, lines in tables(partial(measured, options.tool, options.folder, again), options.folder, few):
+    for name, lines in tables(
+        partial(measured, options.tool, options.folder, again), options.folder, few
+    ):
         print(f"\n{name}\n\n{lines}", flush=True)
-        mark = re.compile(rf"(<!-- measurements {name} -->\n).*?(\n<!-- /measurements {name} -->)", re.S)
+        mark = re.compile(
+            rf"(<!-- measurements {name} -->\n).*?(\n<!-- /measurements {name} -->)", re.DOTALL
+        )
         text, count = mark.subn(lambda m, lines=lines: f"{m[1]}\n{lines}\n{m[2]}", text)
         if count != 1:
             raise SystemExit(f"{options.document} has no place for the table {name}")
@@ -71,7 +78,10 @@ def measured(tool, folder, again, what, *arguments):
         command = [tool, what, *map(str, arguments)]
         path.write_bytes(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)
     out = path.read_text()
-    return [{name: number(value) for name, value in row.items()} for row in csv.DictReader(io.StringIO(out))]
+    return [
+        {name: number(value) for name, value in row.items()}
+        for row in csv.DictReader(io.StringIO(out))
+    ]
 
 
 def number(text):
@@ -144,7 +154,12 @@ def curvature(rows):
         if preset != "Exact" and radius != 20 or radius == 50:
             continue
         line = [body, f"{radius:.0f}", preset.lower(), mesh.lower()]
-        for name in ("curvature_median", "curvature_95", "mesh_curvature_median", "mesh_curvature_95"):
+        for name in (
+            "curvature_median",
+            "curvature_95",
+            "mesh_curvature_median",
+            "mesh_curvature_95",
+        ):
             known = [row[name] for row in group if row[name] != ""]
             line.append(f"{100 * max(known):.1f}" if known else "")
         for sign in ("positive", "negative"):
@@ -159,15 +174,25 @@ def edges(rows):
     lines = []
     for (body, preset), group in groups(rows, "body", "preset").items():
         line = [body, preset.lower()]
-        for name, what in (("area", "area"), ("smooth_area", "area"), ("volume", "volume"), ("smooth_volume", "volume")):
+        for name, what in (
+            ("area", "area"),
+            ("smooth_area", "area"),
+            ("volume", "volume"),
+            ("smooth_volume", "volume"),
+        ):
             line.append(f"{errors(group, name, what).mean():+.2f}")
         lines.append(line)
-    return table(["body", "preset", "area: triangles", "smooth", "volume: triangles", "smooth"], lines)
+    return table(
+        ["body", "preset", "area: triangles", "smooth", "volume: triangles", "smooth"], lines
+    )
 
 
 def sizes(rows):
     """Logarithms of h/r, of the ratio of the spacings and of area/h²."""
-    column = {name: np.array([row[name] for row in rows]) for name in ("voxel", "ratio", "smooth_area", "smooth_volume")}
+    column = {
+        name: np.array([row[name] for row in rows])
+        for name in ("voxel", "ratio", "smooth_area", "smooth_volume")
+    }
     size = column["voxel"] * column["smooth_area"] / (3 * column["smooth_volume"])
     places = column["smooth_area"] / column["voxel"] ** 2
     return np.log(size), np.log(column["ratio"]), np.log(places)
@@ -210,11 +235,25 @@ def coverage(laws, rows):
             if np.abs(stated / fit - 1).max() > 0.01 and body == "all":
                 print(f"the constants of {what} in uncertainty.rs are not those of this fit")
             found = np.abs(errors(group, f"smooth_{what}", what)) / 100
-            bounds = [row[f"{what}_low"] <= row[f"true_{what}"] <= row[f"{what}_high"] for row in group]
-            line += [f"{100 * (found <= stated).mean():.1f}", f"{np.median(stated / found):.1f}", f"{100 * np.mean(bounds):.0f}"]
+            bounds = [
+                row[f"{what}_low"] <= row[f"true_{what}"] <= row[f"{what}_high"] for row in group
+            ]
+            line += [
+                f"{100 * (found <= stated).mean():.1f}",
+                f"{np.median(stated / found):.1f}",
+                f"{100 * np.mean(bounds):.0f}",
+            ]
         lines.append(line)
-    head = ["body", "count", "volume: held, %", "error / true error, median", "within the bounds, %"]
-    return table([*head, "area: held, %", "error / true error, median", "within the bounds, %"], lines)
+    head = [
+        "body",
+        "count",
+        "volume: held, %",
+        "error / true error, median",
+        "within the bounds, %",
+    ]
+    return table(
+        [*head, "area: held, %", "error / true error, median", "within the bounds, %"], lines
+    )
 
 
 def peers(rows, folder):
@@ -236,7 +275,9 @@ def peers(rows, folder):
         }
         if RadiomicsShape:
             found["pyradiomics"] = radiomics_area(volume, spacing)
-        cells = [f"{100 * (found[name] / row['true_area'] - 1):+.2f}" for name in ["shrouds", *names]]
+        cells = [
+            f"{100 * (found[name] / row['true_area'] - 1):+.2f}" for name in ["shrouds", *names]
+        ]
         lines.append([row["body"], f"{row['radius']:.0f}", f"1×1×{row['spacing']:.0f}", *cells])
     return table(["body", "radius", "spacing", "shrouds", *names], lines)
 
@@ -249,7 +290,9 @@ def faces(volume, spacing):
 
 
 def skimage_area(volume, spacing):
-    vertices, triangles, _, _ = marching_cubes(volume.astype(float), 0.5, spacing=tuple(spacing[::-1]))
+    vertices, triangles, _, _ = marching_cubes(
+        volume.astype(float), 0.5, spacing=tuple(spacing[::-1])
+    )
     return mesh_surface_area(vertices, triangles)
 
 

@@ -47,6 +47,25 @@ proptest! {
     }
 
     #[test]
+    fn volume_never_grows_with_a_delta(volume in volumes(), seeds in proptest::collection::vec(0.0..=1.0f64, 97)) {
+        for (rule, border) in &CONVENTIONS[..2] {
+            let surface = Surface::extract(&volume, *rule, *border).unwrap();
+            let triangles = surface.fixed_triangles();
+            let mut delta: Vec<f64> = (0..surface.vertex_count()).map(|v| seeds[v % 97]).collect();
+            for v in (0..delta.len()).step_by(1 + delta.len() / 30) {
+                let before = delta[v];
+                let [outside, inside] = [0.0, 1.0].map(|end| {
+                    delta[v] = end;
+                    let vertices = place_vertices(&surface, &delta);
+                    TriMesh { vertices, triangles: triangles.clone(), normals: vec![] }.volume()
+                });
+                delta[v] = before;
+                prop_assert!(inside <= outside + 1e-9, "vertex {v}: {inside} {outside}");
+            }
+        }
+    }
+
+    #[test]
     fn shrouds_lie_between_them(volume in volumes()) {
         for (mesh, triangles) in
             [(MeshKind::Primal, Triangles::Fitted), (MeshKind::Dual, Triangles::Fitted)]

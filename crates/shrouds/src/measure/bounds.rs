@@ -1,10 +1,11 @@
 //! What separating surfaces of a volume could measure.
 //!
-//! Every vertex may lie anywhere on its grid edge. The triangles are the fixed ones, the same for every δ.
+//! Every vertex may lie anywhere on its grid edge. The triangles are the fixed ones, the same for
+//! every δ.
 //!
-//! *Volume.* It is linear in each δ, and falls as a vertex moves towards the inside end: the triangles around it,
-//! seen along its grid edge, surround it. So the bounds are exact, those of the surfaces with all
-//! vertices at the inside and at the outside ends.
+//! *Volume.* It is linear in each δ, and falls as a vertex moves towards the inside end: the triangles
+//! around it, seen along its grid edge, surround it. So the bounds are exact, those of the surfaces with
+//! all vertices at the inside and at the outside ends.
 //!
 //! *Area.* The vector area of a triangle is linear in each of its three δ, so each of its components has
 //! its extremes where all three are 0 or 1, and so has its length the largest. The sums over triangles of the

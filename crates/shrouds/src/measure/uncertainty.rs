@@ -50,10 +50,10 @@ pub fn uncertainty(surface: &Surface, value: &Integrals) -> Uncertainty {
 /// The errors of volume and area that shrouds of smooth bodies of this size stay within, 19 times out
 /// of 20, in cubic and squared world units.
 ///
-/// The relative error is c·(h/r)^p·q^s·√(h²/area): r = 3·volume/area is the radius of a ball and less for
-/// all else, h the cube root of the voxel's volume, q the ratio of the largest spacing to the smallest; the root
-/// is that of the number of places at which the surface is known. `docs/measurements.md` tells how c, p and s were
-/// found and on what they were tried.
+/// The relative error is c·(h/r)^p·q^s·√(h²/area): r = 3·volume/area is the radius of a ball and less
+/// for all else, h the cube root of the voxel's volume, q the ratio of the largest spacing to the
+/// smallest; the root counts the places at which the surface is known. `docs/measurements.md` tells how
+/// c, p and s were found and on what they were tried. 0 where there is no volume.
 pub fn calibrated_error(value: &Integrals, grid: &Grid) -> [f64; 2] {
     let radius = 3.0 * value.volume.abs() / value.area;
     let size = grid.voxel_volume().cbrt() / radius;
