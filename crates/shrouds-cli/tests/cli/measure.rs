@@ -126,7 +126,8 @@ fn parts_and_cavities_are_rows() {
     assert_eq!((&rows[1]["component"], &rows[1]["voxels"]), (&2.into(), &24.into()));
     assert_eq!((&rows[0]["cavities"], &rows[1]["cavities"]), (&1.into(), &0.into()));
     let sum: f64 = [0, 1].iter().map(|n| rows[n]["area"].as_f64().unwrap()).sum();
-    near(&whole["area"], sum, 1e-3);
+    // Each one settles for itself.
+    near(&whole["area"], sum, 3e-3);
     // Of a mesh the shell and its cavity are surfaces of their own.
     let rows = json(&folder.succeed("measure parts.ply --components --json"))["rows"].clone();
     assert_eq!(rows.as_array().unwrap().len(), 3);
@@ -157,7 +158,7 @@ fn labels_touch_each_other_and_the_outside() {
     let lines: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
     assert!(lines.len() == 4 && lines.iter().all(|line| line.len() == lines[0].len()));
     let column = lines[0].iter().position(|name| *name == "area [voxel²]").unwrap();
-    assert_eq!(lines[2][column].parse::<f64>().ok(), rows[1]["area"].as_f64());
+    near(&rows[1]["area"], lines[2][column].parse().unwrap(), 1e-12);
     assert!(lines[0].contains(&"centroid_z [voxel]"));
     let csv = String::from_utf8(folder.bytes("out-contacts.csv")).unwrap();
     assert!(csv.starts_with("label,name,other_label,other_name,area [voxel²]\r\n1,,2,,"), "{csv}");
@@ -191,12 +192,12 @@ fn distances_go_both_ways() {
     }
     let row = json(&folder.succeed("measure small.ply --distance-to small.ply --json"))["rows"][0]
         .clone();
-    assert_eq!(row["distance_maximum"], 0.0);
+    assert!(row["distance_maximum"].as_f64().unwrap() < 1e-9);
     // Labels go to the same labels.
     halves(&folder);
     let told =
         json(&folder.succeed("measure halves.npy --labels all --distance-to halves.npy --json"));
-    assert!((0..3).all(|n| told["rows"][n]["distance_maximum"] == 0.0));
+    assert!((0..3).all(|n| told["rows"][n]["distance_maximum"].as_f64().unwrap() < 1e-9));
 }
 
 #[test]
