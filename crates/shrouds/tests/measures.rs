@@ -34,6 +34,26 @@ fn within(name: &str, found: f64, truth: f64, tolerance: f64) {
     assert!(error.abs() <= tolerance, "{name}: {error:+.5} beyond {tolerance}");
 }
 
+#[test]
+fn quadrature_finds_what_formulas_say() {
+    use std::f64::consts::PI;
+    let oblate = Shape::Ellipsoid([2.0, 2.0, 1.0]).truth();
+    let e = 0.75f64.sqrt();
+    within("area", oblate.area, 8.0 * PI * (1.0 + 0.25 / e * e.atanh()), 1e-8);
+    within("volume", oblate.volume, 16.0 / 3.0 * PI, 1e-8);
+    let power = Shape::Superellipsoid { axes: [2.0, 2.0, 1.0], power: 2.0 }.truth();
+    within("area", power.area, oblate.area, 1e-8);
+    // A shifted ball, to the first order of its shift, has waves of degree 1.
+    let waves = vec![([0.0, 0.6, 0.8], 1, 1e-4)];
+    let shifted = Shape::Wavy { radius: 3.0, waves }.truth();
+    within("area", shifted.area, 36.0 * PI, 1e-7);
+    within("volume", shifted.volume, 36.0 * PI, 1e-7);
+    // Of a wave of degree 2 and height a the volume is r³·∫(1 + a·P₂)³/3, ∫P₂² = 4π/5, ∫P₂³ = 8π/35.
+    let wave = Shape::Wavy { radius: 1.0, waves: vec![([1.0, 0.0, 0.0], 2, 0.3)] }.truth();
+    let volume = 4.0 / 3.0 * PI + 0.09 * 4.0 * PI / 5.0 + 0.027 / 3.0 * 8.0 * PI / 35.0;
+    within("volume", wave.volume, volume, 1e-8);
+}
+
 /// Areas within 1, 0.3 and 0.1 %, volumes within 1.5, 0.4 and 0.15 %.
 #[test]
 fn bodies_of_radius_5_10_and_20_have_their_area_and_volume() {

@@ -3,9 +3,11 @@
 //! Every vertex may lie anywhere on its grid edge. The triangles are the fixed ones, the same for
 //! every δ.
 //!
-//! *Volume.* It is linear in each δ, and falls as a vertex moves towards the inside end: the triangles
-//! around it, seen along its grid edge, surround it. So the bounds are exact, those of the surfaces with
-//! all vertices at the inside and at the outside ends.
+//! *Volume.* It is linear in each δ, and falls as a vertex moves towards the inside end wherever the
+//! triangles around it, seen along its grid edge, surround it. So the bounds are the volumes with all
+//! vertices at the inside and at the outside ends. In crowded cells of noise a triangle can lie the other
+//! way round and one vertex alone do the opposite; no surface beyond these bounds is known, and random
+//! surfaces and walks from vertex to vertex (`tests/measure_bounds.rs`) find none, but it is no proof.
 //!
 //! *Area.* The vector area of a triangle is linear in each of its three δ, so each of its components has
 //! its extremes where all three are 0 or 1, and so has its length the largest. The sums over triangles of the

@@ -108,7 +108,7 @@ pub fn curvatures(
 /// over the lengths of the two sides. What cannot be known is taken to be 0.
 ///
 /// ```
-/// use shrouds::{MeshKind, Settings, measure::mesh_curvatures, shroud, volume::phantom};
+/// use shrouds::{Settings, measure::mesh_curvatures, mesh::MeshKind, shroud, volume::phantom};
 ///
 /// let settings = Settings { mesh: MeshKind::Dual, ..Settings::default() };
 /// let dual = shroud(&phantom::sphere(32)?, &settings)?.mesh; // of radius 12.8

@@ -18,9 +18,9 @@ const AREA: Law = [1.606, 1.173, 0.203];
 /// Between what a value lies, in its own unit.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Span {
-    /// No separating surface has less.
+    /// The least a separating surface could have; see [`uncertainty`].
     pub low: f64,
-    /// No separating surface has more.
+    /// The largest a separating surface could have.
     pub high: f64,
     /// The truth of smooth bodies lies within this of the value, 19 times out of 20.
     pub error: f64,
@@ -37,7 +37,9 @@ pub struct Uncertainty {
 
 /// The uncertainty of the volume and the area of a shroud, as [`smooth_integrals`] gives them.
 ///
-/// The bounds depend on the surface alone.
+/// The bounds depend on the surface alone. Of volume they are those with all vertices at the inside and
+/// at the outside ends, and mean something for a closed border only. Of area they are safe but not
+/// sharp: what triangles and a ball of that volume have at least, and triangles by themselves at most.
 ///
 /// [`smooth_integrals`]: crate::measure::smooth_integrals
 pub fn uncertainty(surface: &Surface, value: &Integrals) -> Uncertainty {
