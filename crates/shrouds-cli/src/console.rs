@@ -87,6 +87,23 @@ pub(crate) fn number(x: f64) -> String {
     }
 }
 
+/// Lines of cells in columns as wide as they need, the first `names` of them to the left and the numbers
+/// behind to the right.
+pub(crate) fn aligned(lines: &[Vec<String>], names: usize) -> Vec<String> {
+    let count = lines.first().map_or(0, Vec::len);
+    let width = |k: usize| lines.iter().map(|line| line[k].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..count).map(width).collect();
+    let line = |cells: &Vec<String>| {
+        let cell = |(k, (text, width)): (usize, (&String, &usize))| match k < names {
+            true => format!("{text:<width$}"),
+            false => format!("{text:>width$}"),
+        };
+        let cells: Vec<String> = cells.iter().zip(&widths).enumerate().map(cell).collect();
+        cells.join("  ").trim_end().to_owned()
+    };
+    lines.iter().map(line).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

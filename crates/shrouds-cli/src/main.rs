@@ -14,6 +14,7 @@ mod failure;
 mod figures;
 mod frame;
 mod input;
+mod label_map;
 mod lines;
 mod measure;
 mod output;

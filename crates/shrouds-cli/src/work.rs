@@ -9,7 +9,7 @@ use shrouds::measure::curvatures;
 use shrouds::network::Network;
 use shrouds::optimize::{self, Status};
 use shrouds::volume::Border;
-use shrouds::{Grid, Occupancy, Shroud, TriMesh, shroud_observed};
+use shrouds::{Grid, Occupancy, Settings, Shroud, TriMesh, shroud_observed};
 use shrouds_io::{Frame, Part, mesh_format, write_meshes};
 use shrouds_view::LineSet;
 
@@ -137,8 +137,17 @@ pub(crate) fn shroud(
         let message = "there is no surface: every voxel is inside and the border is open; use --border closed or select less";
         return Err(Failure::Undone(message.into()));
     }
+    shroud_with(volume, &job.settings, progress)
+}
+
+/// The shroud of a volume that has a surface, made with these settings.
+pub(crate) fn shroud_with(
+    volume: &Occupancy,
+    settings: &Settings,
+    progress: &Progress,
+) -> Result<Shroud, Failure> {
     progress.stage("finding the surface");
-    Ok(shroud_observed(volume, &job.settings, &mut |now| {
+    Ok(shroud_observed(volume, settings, &mut |now| {
         progress.optimize(now);
         ControlFlow::Continue(())
     })?)

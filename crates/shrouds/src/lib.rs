@@ -24,6 +24,7 @@ mod error;
 mod gather;
 mod parallel;
 mod random;
+mod tree;
 mod vector;
 pub mod grid;
 pub mod volume;
@@ -36,6 +37,7 @@ pub mod measure;
 pub mod check;
 pub mod voxelize;
 mod pipeline;
+pub mod contact;
 pub mod polygon;
 
 pub use error::Error;

@@ -13,6 +13,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("parallel", &[]),
     ("random", &[]),
     ("vector", &[]),
+    ("tree", &["vector"]),
     ("grid", &["error", "vector"]),
     ("volume", &["grid", "error", "parallel", "random"]),
     ("surface", &["grid", "volume", "error", "parallel"]),
@@ -28,7 +29,17 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("mesh", &["grid", "surface", "network", "error", "parallel", "vector"]),
     (
         "measure",
-        &["grid", "volume::Border", "surface", "network", "mesh", "error", "parallel", "vector"],
+        &[
+            "grid",
+            "volume::Border",
+            "surface",
+            "network",
+            "mesh",
+            "error",
+            "parallel",
+            "tree",
+            "vector",
+        ],
     ),
     (
         "polygon",
@@ -48,8 +59,13 @@ const ARROWS: &[(&str, &[&str])] = &[
     // The back arrow; it asks the judge what a mesh is and where lines cross it.
     (
         "voxelize",
-        &["grid", "volume", "surface", "mesh", "check", "error", "parallel", "random", "vector"],
+        &[
+            "grid", "volume", "surface", "mesh", "check", "error", "parallel", "random", "tree",
+            "vector",
+        ],
     ),
+    // Of two bodies that touch: shrouds of their own, measured.
+    ("contact", &["grid", "volume", "optimize", "mesh", "measure", "pipeline", "error"]),
 ];
 
 /// The module that tells the whole story may use everything.

@@ -2,6 +2,7 @@
 //! those of the libraries.
 
 mod lines;
+mod measure;
 mod names;
 mod operations;
 mod pack;
@@ -16,6 +17,7 @@ use clap::{Args, Parser, Subcommand};
 use crate::energies;
 
 pub(crate) use lines::{ContoursArgs, NetworkArgs};
+pub(crate) use measure::MeasureArgs;
 pub(crate) use names::{
     Attribute, Axes, Border, Each, Faces, Field, FrameChoice, Interpolation, Operation, PlaneAxis,
     Preset, Profile, Solver, SurfaceKind, TriangleRule, VolumeRule, Winding,
@@ -80,6 +82,9 @@ pub(crate) enum Verb {
     /// Shroud a volume with one energy after the other: a table and a contact sheet to choose by
     #[command(after_help = with_energies(verbs::COMPARE_HELP))]
     Compare(CompareArgs),
+    /// Measure a mesh, or the shroud of a volume: size, shape, curvature, thickness, contact, distance
+    #[command(after_help = with_energies(measure::MEASURE_HELP))]
+    Measure(MeasureArgs),
     /// The slice curves of a volume's shroud, as lines
     #[command(after_help = with_energies(lines::NETWORK_HELP))]
     Network(NetworkArgs),

@@ -7,6 +7,7 @@ mod demo;
 mod edit;
 mod figures;
 mod info;
+mod measure;
 mod mesh;
 mod network;
 mod pack;
@@ -29,6 +30,7 @@ pub(crate) fn run(cli: &Cli) -> Result<(), Failure> {
         Verb::Info(args) => info::run(args, console),
         Verb::Render(args) => render::run(args, console),
         Verb::Compare(args) => compare::run(args, console),
+        Verb::Measure(args) => measure::run(args, console),
         Verb::Network(args) => network::run(args, console),
         Verb::Contours(args) => contours::run(args, console),
         Verb::Polygon(args) => polygon::run(args, console),

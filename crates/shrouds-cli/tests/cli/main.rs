@@ -15,6 +15,7 @@ mod figures;
 mod gallery;
 mod labels;
 mod lines;
+mod measure;
 mod mesh;
 mod pack;
 mod polygon;

@@ -97,6 +97,12 @@ impl Values {
         with_values!(self, v => count_labels(v))
     }
 
+    /// Every distinct value, ascending, and for each lattice point the place of its value among them;
+    /// `None` as for [`labels`](Self::labels). Two bytes a lattice point, whatever the type.
+    pub fn numbered(&self) -> Option<(Vec<i128>, Vec<u16>)> {
+        with_values!(self, v => number_labels(v))
+    }
+
     /// Every value as a whole number; `None` when some value is none, or does not fit into 64 bits.
     pub fn whole(&self) -> Option<Vec<i64>> {
         fn whole<T: Voxel>(values: &[T]) -> Option<Vec<i64>> {
@@ -195,6 +201,24 @@ fn count_labels<T: Voxel>(values: &[T]) -> Option<Vec<(i128, u64)>> {
     (labels.len() <= MAX_LABELS).then_some(labels)
 }
 
+fn number_labels<T: Voxel>(values: &[T]) -> Option<(Vec<i128>, Vec<u16>)> {
+    let labels: Vec<i128> = count_labels(values)?.into_iter().map(|(label, _)| label).collect();
+    let mut last = None;
+    let number = |value: &T| {
+        let label = value.as_label()?;
+        if let Some((known, place)) = last
+            && known == label
+        {
+            return Some(place);
+        }
+        let place = u16::try_from(labels.binary_search(&label).ok()?).ok()?;
+        last = Some((label, place));
+        Some(place)
+    };
+    let numbers = values.iter().map(number).collect::<Option<_>>()?;
+    Some((labels, numbers))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -213,6 +237,9 @@ mod tests {
         assert_eq!(values.labels().unwrap(), expected);
         assert_eq!(values.range(), Some((i64::MIN as f64, i64::MAX as f64)));
         assert_eq!(Values::Bool(vec![true, true]).labels().unwrap(), [(1, 2)]);
+        let (labels, numbers) = values.numbered().unwrap();
+        let back: Vec<i128> = numbers.iter().map(|&n| labels[usize::from(n)]).collect();
+        assert_eq!(back, values.whole().unwrap().into_iter().map(i128::from).collect::<Vec<_>>());
     }
 
     #[test]
@@ -220,6 +247,7 @@ mod tests {
         assert_eq!(Values::F32(vec![2.0, -0.0, 2.0]).labels().unwrap(), [(0, 1), (2, 2)]);
         for odd in [0.5, f64::NAN, f64::INFINITY] {
             assert_eq!(Values::F64(vec![1.0, odd]).labels(), None);
+            assert_eq!(Values::F64(vec![1.0, odd]).numbered(), None);
         }
         assert_eq!(Values::F64(vec![f64::NAN, 2.0, -3.0]).range(), Some((-3.0, 2.0)));
         assert_eq!(Values::F64(vec![f64::NAN]).range(), None);

@@ -73,7 +73,7 @@ pub fn integrals(mesh: &TriMesh) -> Result<Integrals, Error> {
 }
 
 /// The box around the vertices that triangles use; an error where one is missing or not finite.
-fn bounds(mesh: &TriMesh) -> Result<Option<[Vector; 2]>, Error> {
+pub(super) fn bounds(mesh: &TriMesh) -> Result<Option<[Vector; 2]>, Error> {
     let mut bounds: Option<[Vector; 2]> = None;
     for (t, triangle) in mesh.triangles.iter().enumerate() {
         for &v in triangle {

@@ -5,9 +5,10 @@ use std::ops::Range;
 use crate::check::Found;
 use crate::mesh::TriMesh;
 use crate::parallel;
+use crate::tree::Tree;
 use crate::volume::Occupancy;
 use crate::voxelize::rule::Sides;
-use crate::voxelize::solid_angle::{Tree, View};
+use crate::voxelize::solid_angle::View;
 use crate::voxelize::winding::Lines;
 
 /// Slices per block of parallel work.

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use crate::tree::{Part, Tree};
 use crate::vector::{Vector, add, cross, dot, length, scale, subtract};
 
 /// A part is far where the cube of its distance exceeds this many times its area and size, its own or
@@ -10,26 +11,6 @@ use crate::vector::{Vector, add, cross, dot, length, scale, subtract};
 const FAR: f64 = 110.0;
 /// But never nearer than this many times either size.
 const NEVER_FAR: f64 = 3.0;
-
-/// Triangles in a tree whose parts lie close together, in the order of a walk from the root on.
-pub(super) struct Tree {
-    parts: Vec<Part>,
-    triangles: Vec<[Vector; 3]>,
-}
-
-/// Some triangles.
-struct Part {
-    centre: Vector,
-    /// No corner is farther from the centre.
-    radius: f64,
-    /// Sum of the areas times the normals.
-    dipole: Vector,
-    area: f64,
-    first: usize,
-    count: usize,
-    /// The part that follows when those within this one are left out.
-    next: usize,
-}
 
 /// A box, and what far parts add up to as seen from it, each a dipole.
 #[derive(Debug, Clone, Copy)]
@@ -43,33 +24,6 @@ pub(super) struct View {
 }
 
 impl Tree {
-    pub(super) fn new(triangles: Vec<[Vector; 3]>) -> Self {
-        let mut tree = Self { parts: Vec::new(), triangles };
-        if !tree.triangles.is_empty() {
-            tree.divide(0, tree.triangles.len());
-        }
-        tree
-    }
-
-    fn divide(&mut self, first: usize, count: usize) {
-        let triangles = &mut self.triangles[first..first + count];
-        let place = self.parts.len();
-        self.parts.push(Part::new(triangles, first));
-        if count > 1 {
-            let axis = longest_axis(triangles);
-            let middle = |[a, b, c]: &[Vector; 3]| a[axis] + b[axis] + c[axis];
-            triangles.select_nth_unstable_by(count / 2, |a, b| middle(a).total_cmp(&middle(b)));
-            self.divide(first, count / 2);
-            self.divide(first + count / 2, count - count / 2);
-        }
-        self.parts[place].next = self.parts.len();
-    }
-
-    /// The part of all triangles, if there are any.
-    pub(super) fn root(&self) -> Vec<usize> {
-        if self.parts.is_empty() { Vec::new() } else { vec![0] }
-    }
-
     /// Divides the parts `near[from..]`, which are all that the view does not hold yet: what is far from
     /// the box goes into the view, the rest to the end of `near`. Returns a bound of what all triangles
     /// add up to, of either sign, as seen from any place of the box.
@@ -109,27 +63,6 @@ impl Tree {
 }
 
 impl Part {
-    fn new(triangles: &[[Vector; 3]], first: usize) -> Self {
-        let (mut area, mut dipole, mut moment) = (0.0, [0.0; 3], [0.0; 3]);
-        let mut middle = [0.0; 3];
-        for &[a, b, c] in triangles {
-            let normal = scale(cross(subtract(b, a), subtract(c, a)), 0.5);
-            let third = scale(add(add(a, b), c), 1.0 / 3.0);
-            area += length(normal);
-            dipole = add(dipole, normal);
-            moment = add(moment, scale(third, length(normal)));
-            middle = add(middle, third);
-        }
-        let centre = if area > 0.0 {
-            scale(moment, 1.0 / area)
-        } else {
-            scale(middle, 1.0 / triangles.len() as f64)
-        };
-        let distances = triangles.iter().flatten().map(|&p| length(subtract(p, centre)));
-        let radius = distances.fold(0.0, f64::max);
-        Self { centre, radius, dipole, area, first, count: triangles.len(), next: 0 }
-    }
-
     /// No more full spheres than this are filled at places so far from all triangles, or farther.
     fn bound(&self, distance: f64) -> f64 {
         // A triangle fills no more than half the sphere. No area seen from no distance is no number, and
@@ -162,14 +95,6 @@ impl View {
         let grown = subtract(scale(to, rise), part.dipole);
         self.gradient = add(self.gradient, scale(grown, 1.0 / cube));
     }
-}
-
-fn longest_axis(triangles: &[[Vector; 3]]) -> usize {
-    let extent = |d: usize| {
-        let corners = triangles.iter().flatten().map(|p| p[d]);
-        corners.clone().fold(f64::MIN, f64::max) - corners.fold(f64::MAX, f64::min)
-    };
-    [1, 2].into_iter().fold(0, |best, d| if extent(d) > extent(best) { d } else { best })
 }
 
 /// Half the solid angle of a triangle in radians (van Oosterom and Strackee, *The solid angle of a plane

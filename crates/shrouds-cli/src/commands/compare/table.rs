@@ -2,7 +2,7 @@
 
 use super::Comparison;
 use super::row::{Multistart, Numbers, Outcome, Row};
-use crate::console::{grouped, number};
+use crate::console::{aligned, grouped, number};
 
 const NONE: &str = "-";
 
@@ -66,7 +66,7 @@ pub(super) fn table(comparison: &Comparison) -> String {
     let mut lines = vec![heading(0), heading(1)];
     lines.extend(rows.iter().map(|row| cells(row, &columns)));
     let mut text = vec![title(comparison), String::new()];
-    text.extend(aligned(&lines));
+    text.extend(aligned(&lines, 2));
     text.push(String::new());
     text.extend(rows.iter().filter_map(error));
     text.extend(notes(rows, truth, multistart));
@@ -95,22 +95,6 @@ fn cells(row: &Row, columns: &[&Column]) -> Vec<String> {
         Outcome::Failed { .. } => cells.extend(columns.iter().map(|_| NONE.to_owned())),
     }
     cells
-}
-
-/// Columns as wide as they need, names to the left and numbers to the right.
-fn aligned(lines: &[Vec<String>]) -> Vec<String> {
-    let count = lines.first().map_or(0, Vec::len);
-    let width = |k: usize| lines.iter().map(|line| line[k].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..count).map(width).collect();
-    let line = |cells: &Vec<String>| {
-        let cell = |(k, (text, width)): (usize, (&String, &usize))| match k {
-            0 | 1 => format!("{text:<width$}"),
-            _ => format!("{text:>width$}"),
-        };
-        let cells: Vec<String> = cells.iter().zip(&widths).enumerate().map(cell).collect();
-        cells.join("  ").trim_end().to_owned()
-    };
-    lines.iter().map(line).collect()
 }
 
 fn error(row: &Row) -> Option<String> {
