@@ -10,6 +10,7 @@ mod alone;
 mod around;
 mod barrier;
 mod blur;
+mod bounds;
 mod conjugate;
 mod crease;
 mod enclosed;
@@ -71,7 +72,8 @@ pub struct Optimum {
 ///
 /// # Errors
 /// [`Error::Setting`] when a setting is outside its range, the mask of rough places is not on the grid
-/// of the volume, or volumes are to be kept by the sweeps or for an open border.
+/// of the volume, intervals are no intervals or not one for each vertex, or volumes are to be kept by
+/// the sweeps, within intervals or for an open border.
 pub fn optimize(
     surface: &Surface,
     settings: &Settings,
@@ -85,13 +87,14 @@ pub fn optimize(
     let energy = settings.energy();
     let Conditions { spacing, bounds, .. } = Conditions::new(surface, settings, &energy, &flatness);
     let x = start::positions(surface, &settings.start, spacing, bounds);
+    let intervals = bounds::intervals(surface, settings, bounds)?;
     // In double precision the bounds are nearer to their value.
     let in_double = || x.iter().map(|&x| f64::from(x).clamp(bounds[0], bounds[1])).collect();
     let rough = match &settings.rough {
         Some(marked) => Some(rough::factors(surface, marked)?),
         None => None,
     };
-    let task = Task { surface, settings, flatness: &flatness, rough };
+    let task = Task { surface, settings, flatness: &flatness, intervals: &intervals, rough };
     Ok(match (settings.solver, settings.preset) {
         _ if x.is_empty() => Optimum::default(),
         (Solver::Sweeps, _) => task.sweep(in_double(), observer),
@@ -106,6 +109,8 @@ struct Task<'a> {
     settings: &'a Settings,
     /// See [`flat::flatness`].
     flatness: &'a [f32],
+    /// See [`bounds::intervals`].
+    intervals: &'a [[f64; 2]],
     /// See [`rough::factors`].
     rough: Option<Arc<[f32]>>,
 }
@@ -113,6 +118,7 @@ struct Task<'a> {
 impl Task<'_> {
     /// The default method.
     fn step<R: Real>(&self, mut x: Vec<R>, observer: &mut Observer) -> Optimum {
+        self.cut(&mut x);
         let mut left = self.settings.max_iterations();
         let (mut rounds, mut prepared) = (Vec::new(), 0);
         let (mut stationarity, mut slopes) = (Stationarity::default(), Vec::new());
@@ -130,8 +136,7 @@ impl Task<'_> {
         let count = stages.len() as f64;
         for (n, plan::Stage { energy, passes, creases }) in stages.into_iter().enumerate() {
             let energy = self.with_rough_places(energy);
-            let conditions = Conditions::new(self.surface, self.settings, &energy, self.flatness);
-            let conditions = Conditions { creases, ..conditions };
+            let conditions = Conditions { creases, ..self.conditions(&energy) };
             let done = self.settings.max_iterations() - left;
             let mut of_all = |progress: Progress| {
                 let share_done = progress.share_done.map(|share| (n as f64 + share) / count);
@@ -154,7 +159,7 @@ impl Task<'_> {
         }
         let mut report = Report::new(rounds, prepared, &stationarity);
         report.volumes = keeper.map_or(Vec::new(), |keeper| keeper.volumes(&x));
-        Optimum { delta: deltas(self.surface, &x), slopes, report }
+        Optimum { delta: self.deltas(&x), slopes, report }
     }
 
     /// The energy, switched off where the surface need not be smooth.
@@ -167,27 +172,50 @@ impl Task<'_> {
 
     /// The paper's method.
     fn sweep(&self, mut x: Vec<f64>, observer: &mut Observer) -> Optimum {
+        self.cut(&mut x);
         let energy = self.with_rough_places(self.settings.energy());
-        let conditions = Conditions::new(self.surface, self.settings, &energy, self.flatness);
+        let conditions = self.conditions(&energy);
         let network = Network::trace(self.surface);
         let mut problem = Problem::new(&network, &conditions, <[f32]>::to_vec);
+        problem.bounds.narrow(self.intervals);
         let (rounds, mut stationarity) =
             sweeps::solve(&mut problem, self.surface, &mut x, self.settings, observer);
         stationarity.is_certain = energy.is_convex();
         let report = Report::new(rounds, 0, &stationarity);
-        Optimum { delta: deltas(self.surface, &x), slopes: problem.slopes(&x), report }
+        Optimum { delta: self.deltas(&x), slopes: problem.slopes(&x), report }
     }
-}
 
-/// The δ of every vertex from its position.
-fn deltas<R: Real>(surface: &Surface, x: &[R]) -> Vec<f64> {
-    let mut delta = vec![0.0; x.len()];
-    let ends = (0..surface.slice_count()).map(|k| surface.slice_vertices(k).end as usize);
-    parallel::pieces(&mut delta, ends, |k, delta| {
-        let x = &x[surface.slice_vertices(k).start as usize..];
-        for ((delta, x), crossing) in delta.iter_mut().zip(x).zip(surface.slice_crossings(k)) {
-            *delta = crossing.from_low(x.to_f64());
+    fn conditions<'b>(&'b self, energy: &'b Energy) -> Conditions<'b> {
+        let conditions = Conditions::new(self.surface, self.settings, energy, self.flatness);
+        Conditions { intervals: self.intervals, ..conditions }
+    }
+
+    /// Brings positions into their intervals.
+    fn cut<R: Real>(&self, x: &mut [R]) {
+        for (x, [low, high]) in x.iter_mut().zip(self.intervals) {
+            *x = R::from_f64(x.to_f64().clamp(*low, *high));
         }
-    });
-    delta
+    }
+
+    /// The δ of every vertex from its position.
+    fn deltas<R: Real>(&self, x: &[R]) -> Vec<f64> {
+        let surface = self.surface;
+        let mut delta = vec![0.0; x.len()];
+        let ends = (0..surface.slice_count()).map(|k| surface.slice_vertices(k).end as usize);
+        parallel::pieces(&mut delta, ends, |k, delta| {
+            let first = surface.slice_vertices(k).start as usize;
+            let places = delta.iter_mut().zip(&x[first..]).zip(surface.slice_crossings(k));
+            for ((delta, x), crossing) in places {
+                *delta = crossing.from_low(x.to_f64());
+            }
+            // Single precision may have rounded an end away.
+            let own = self.settings.intervals.iter().flat_map(|own| &own[first..]);
+            let [low, high] = [self.settings.margin, 1.0 - self.settings.margin];
+            for (delta, own) in delta.iter_mut().zip(own) {
+                let [least, most] = own.map(|end| end.clamp(low, high));
+                *delta = delta.clamp(least, most);
+            }
+        });
+        delta
+    }
 }
