@@ -35,11 +35,11 @@ pub fn minimise_vertex(
     let mut problem = Problem::<f64>::new(&network, &conditions, <[f32]>::to_vec);
     let [low, high] = conditions.bounds;
     let own = intervals(surface, settings, conditions.bounds)?;
-    problem.bounds.narrow(&own);
+    problem.narrow(&own);
     // δ from the position and the position from δ are the same reflection.
     let positions = surface.crossings().zip(delta).map(|(c, &delta)| c.from_low(delta));
     let mut x: Vec<f64> = positions.map(|x| x.clamp(low, high)).collect();
-    cut(&mut x, &own);
+    cut(&mut x, problem.bounds.own(0));
     problem.freeze(&x);
     minimise(&problem, &mut x, v);
     Ok(surface.crossing(v).from_low(x[v as usize]))

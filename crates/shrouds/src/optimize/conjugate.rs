@@ -10,7 +10,7 @@ use crate::parallel::{self, NONE};
 pub(super) struct Room<'a, R> {
     pub(super) x: &'a [R],
     pub(super) bounds: &'a Bounds<R>,
-    /// The largest part of the way to a bound of all that a step may cover.
+    /// The largest part of the way to a bound that a step may cover.
     pub(super) part: f32,
     /// Whether a vertex must stay where it is.
     pub(super) is_fixed: &'a [bool],
@@ -26,7 +26,7 @@ impl<R: Real> Room<'_, R> {
     /// Between what the steps of the vertices from `first` on must stay for bounds of their own.
     fn own(&self, first: usize) -> impl Iterator<Item = [f32; 2]> {
         let own = self.bounds.own(first).iter().zip(&self.x[first..]);
-        own.map(|(bounds, &x)| bounds.map(|bound| (bound - x).to_f64() as f32))
+        own.map(|(bounds, &x)| bounds.map(|bound| self.part * (bound - x).to_f64() as f32))
     }
 }
 

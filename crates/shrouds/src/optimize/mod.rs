@@ -46,6 +46,7 @@ use crate::network::Network;
 use crate::parallel;
 use crate::surface::Surface;
 use crate::volume::Border;
+use bounds::Bounds;
 use keep::Keeper;
 use problem::{Conditions, Problem};
 use real::Real;
@@ -118,7 +119,6 @@ struct Task<'a> {
 impl Task<'_> {
     /// The default method.
     fn step<R: Real>(&self, mut x: Vec<R>, observer: &mut Observer) -> Optimum {
-        self.cut(&mut x);
         let mut left = self.settings.max_iterations();
         let (mut rounds, mut prepared) = (Vec::new(), 0);
         let (mut stationarity, mut slopes) = (Stationarity::default(), Vec::new());
@@ -127,6 +127,9 @@ impl Task<'_> {
             VolumeRule::Keep => Some(self.surface.components()),
         };
         let bounds = [self.settings.margin, 1.0 - self.settings.margin];
+        let mut own = Bounds::new(bounds);
+        own.narrow(self.intervals);
+        own.enter(self.intervals, &mut x);
         let mut keeper = components.as_ref().map(|c| Keeper::new(self.surface, c, bounds));
         let thinness = match self.settings.crease {
             Some(_) => crease::thinness(self.surface),
@@ -159,7 +162,7 @@ impl Task<'_> {
         }
         let mut report = Report::new(rounds, prepared, &stationarity);
         report.volumes = keeper.map_or(Vec::new(), |keeper| keeper.volumes(&x));
-        Optimum { delta: self.deltas(&x), slopes, report }
+        Optimum { delta: deltas(self.surface, &x), slopes, report }
     }
 
     /// The energy, switched off where the surface need not be smooth.
@@ -172,50 +175,34 @@ impl Task<'_> {
 
     /// The paper's method.
     fn sweep(&self, mut x: Vec<f64>, observer: &mut Observer) -> Optimum {
-        self.cut(&mut x);
         let energy = self.with_rough_places(self.settings.energy());
         let conditions = self.conditions(&energy);
         let network = Network::trace(self.surface);
         let mut problem = Problem::new(&network, &conditions, <[f32]>::to_vec);
-        problem.bounds.narrow(self.intervals);
+        problem.narrow(self.intervals);
+        problem.bounds.enter(self.intervals, &mut x);
         let (rounds, mut stationarity) =
             sweeps::solve(&mut problem, self.surface, &mut x, self.settings, observer);
         stationarity.is_certain = energy.is_convex();
         let report = Report::new(rounds, 0, &stationarity);
-        Optimum { delta: self.deltas(&x), slopes: problem.slopes(&x), report }
+        Optimum { delta: deltas(self.surface, &x), slopes: problem.slopes(&x), report }
     }
 
     fn conditions<'b>(&'b self, energy: &'b Energy) -> Conditions<'b> {
         let conditions = Conditions::new(self.surface, self.settings, energy, self.flatness);
         Conditions { intervals: self.intervals, ..conditions }
     }
+}
 
-    /// Brings positions into their intervals.
-    fn cut<R: Real>(&self, x: &mut [R]) {
-        for (x, [low, high]) in x.iter_mut().zip(self.intervals) {
-            *x = R::from_f64(x.to_f64().clamp(*low, *high));
+/// The δ of every vertex from its position.
+fn deltas<R: Real>(surface: &Surface, x: &[R]) -> Vec<f64> {
+    let mut delta = vec![0.0; x.len()];
+    let ends = (0..surface.slice_count()).map(|k| surface.slice_vertices(k).end as usize);
+    parallel::pieces(&mut delta, ends, |k, delta| {
+        let x = &x[surface.slice_vertices(k).start as usize..];
+        for ((delta, x), crossing) in delta.iter_mut().zip(x).zip(surface.slice_crossings(k)) {
+            *delta = crossing.from_low(x.to_f64());
         }
-    }
-
-    /// The δ of every vertex from its position.
-    fn deltas<R: Real>(&self, x: &[R]) -> Vec<f64> {
-        let surface = self.surface;
-        let mut delta = vec![0.0; x.len()];
-        let ends = (0..surface.slice_count()).map(|k| surface.slice_vertices(k).end as usize);
-        parallel::pieces(&mut delta, ends, |k, delta| {
-            let first = surface.slice_vertices(k).start as usize;
-            let places = delta.iter_mut().zip(&x[first..]).zip(surface.slice_crossings(k));
-            for ((delta, x), crossing) in places {
-                *delta = crossing.from_low(x.to_f64());
-            }
-            // Single precision may have rounded an end away.
-            let own = self.settings.intervals.iter().flat_map(|own| &own[first..]);
-            let [low, high] = [self.settings.margin, 1.0 - self.settings.margin];
-            for (delta, own) in delta.iter_mut().zip(own) {
-                let [least, most] = own.map(|end| end.clamp(low, high));
-                *delta = delta.clamp(least, most);
-            }
-        });
-        delta
-    }
+    });
+    delta
 }

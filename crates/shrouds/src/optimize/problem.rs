@@ -25,7 +25,7 @@ pub(super) struct Conditions<'a> {
     pub(super) energy: &'a Energy,
     /// Of the lattice, in units of the smallest one.
     pub(super) spacing: [f64; 3],
-    /// Between what the positions must stay, and what every one has to itself; empty if nothing.
+    /// Between what the positions must stay, and the interval of each; empty if there are none.
     pub(super) bounds: [f64; 2],
     pub(super) intervals: &'a [[f64; 2]],
     /// See [`flatness`](crate::optimize::flat::flatness).
@@ -147,6 +147,12 @@ impl<'a, R: Real> Problem<'a, R> {
     pub(super) fn fix(&mut self, is_fixed: Vec<bool>) {
         self.has_fixed = is_fixed.contains(&true);
         self.is_fixed = is_fixed;
+    }
+
+    /// Keeps the vertices in intervals of their own, where there are some.
+    pub(super) fn narrow(&mut self, intervals: &[[f64; 2]]) {
+        self.bounds.narrow(intervals);
+        self.barrier.narrow(intervals.to_vec());
     }
 
     /// Pulls the vertices up their grid edges from where they are.

@@ -36,7 +36,7 @@ pub(super) fn visit<R: Real>(
     let mut problem = Problem::new(&tile.network, conditions, local);
     problem.fix(tile.is_fixed());
     if !conditions.intervals.is_empty() {
-        problem.bounds.narrow(&tile.read(conditions.intervals, conditions.bounds));
+        problem.narrow(&tile.read(conditions.intervals, [0.0, 1.0]));
     }
     if let Some(forces) = conditions.forces {
         problem.pull(local(forces), &x);
