@@ -5,8 +5,10 @@
 //! exit code.
 
 mod args;
+mod body;
 mod commands;
 mod console;
+mod each;
 mod energies;
 mod failure;
 mod frame;

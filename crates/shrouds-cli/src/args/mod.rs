@@ -21,7 +21,7 @@ pub(crate) use names::{
     Profile, Solver, SurfaceKind, TriangleRule, VolumeRule, Winding,
 };
 pub(crate) use operations::{
-    CleanArgs, CombineArgs, CropArgs, EditArgs, OffsetArgs, ResampleArgs, VoxelizeArgs, Window,
+    CleanArgs, CombineArgs, CropArgs, EditArgs, LatticeArgs, OffsetArgs, ResampleArgs, VoxelizeArgs, Window,
 };
 pub(crate) use pack::{PackArgs, UnpackArgs};
 pub(crate) use polygon::{PolygonArgs, Slice};
