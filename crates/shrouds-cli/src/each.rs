@@ -185,8 +185,7 @@ impl Each<'_> {
         drop(self.progress);
         let vertices: u64 = self.done.iter().map(|one| one.made.report.topology.vertices).sum();
         let count = self.done.len();
-        let verdict =
-            self.done.iter().try_for_each(|one| one.made.verdict(self.job, self.console));
+        let verdict = self.done.iter().try_for_each(|one| one.made.verdict(self.job, self.console));
         let report = |one: Finished| {
             let mut report = one.made.report;
             report.times.total = start.elapsed().as_secs_f64();

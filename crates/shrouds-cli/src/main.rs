@@ -16,6 +16,7 @@ mod input;
 mod lines;
 mod measure;
 mod output;
+mod packed;
 mod picture;
 mod phantom;
 mod progress;

@@ -187,11 +187,24 @@ pub(crate) struct LatticeArgs {
     #[arg(long, requires = "like")]
     pub(crate) fit: bool,
     /// Voxels more on every side than the mesh needs; with --like only for --fit
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = Self::MARGIN)]
     pub(crate) margin: u32,
     /// Which winding numbers are inside
     #[arg(long, value_enum, default_value_t = Winding::NonZero)]
     pub(crate) winding: Winding,
+}
+
+impl LatticeArgs {
+    /// The margin without another.
+    const MARGIN: u32 = 1;
+
+    /// Whether the call says anything about a mesh to voxelise.
+    pub(crate) fn is_given(&self) -> bool {
+        self.size.is_some()
+            || self.like.is_some()
+            || self.margin != Self::MARGIN
+            || self.winding != Winding::NonZero
+    }
 }
 
 /// Ranges of voxel indices along x, y, z.
