@@ -57,6 +57,10 @@ def test_all_labels_come_back(shrouds, atlas, tmp_path, profile):
     shrouds("pack", atlas, "--labels", "all", "-o", packed, "--profile", profile, "--quiet")
     shrouds("unpack", packed, "-o", back, "--quiet")
     np.testing.assert_array_equal(np.load(back), labels().transpose(2, 1, 0))
+    image = tmp_path / "b.nii.gz"
+    shrouds("unpack", packed, "-o", image, "--quiet")
+    np.testing.assert_array_equal(np.asarray(nibabel.load(image).dataobj), labels())
+    np.testing.assert_allclose(nibabel.load(image).affine, AFFINE, atol=1e-5)
     shrouds("unpack", packed, "--label", 7, "--label", 1000, "-o", back, "--quiet")
     expected = np.isin(labels(), [7, 1000]).transpose(2, 1, 0)
     np.testing.assert_array_equal(np.load(back), expected)

@@ -66,7 +66,8 @@ fn assert_within(delta: &[f64], intervals: &[[f64; 2]]) {
 
 #[test]
 fn the_whole_grid_edge_changes_no_bit() {
-    let volumes = [phantom::linked_tori(24).unwrap(), phantom::noise(&grid([9; 3]), 0.4, 3).unwrap()];
+    let volumes =
+        [phantom::linked_tori(24).unwrap(), phantom::noise(&grid([9; 3]), 0.4, 3).unwrap()];
     for volume in &volumes {
         let surface = closed(volume);
         let whole: Arc<[[f64; 2]]> = vec![[0.0, 1.0]; surface.vertex_count()].into();

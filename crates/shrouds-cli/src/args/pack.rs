@@ -24,8 +24,8 @@ Grey values with their isosurface to a sixteenth of a voxel, and a mesh to a qua
 
 pub(crate) const UNPACK_HELP: &str = "\
 Written are, by the extension, the shroud as .ply, .stl, .obj, .glb, .vtp or .3mf, or the volume as .nii,
-.nii.gz, .nrrd, .vti or .npy. Of packed labels all go to a .npy, or a mesh of each into a folder, or into one
-.ply, .obj, .glb, .vtp or .3mf; --label makes a volume of some.
+.nii.gz, .nrrd, .vti or .npy. Packed labels go to one volume (no .vti), or a mesh of each into a folder, or
+into one .ply, .obj, .glb, .vtp or .3mf; --label makes a volume of 0 and 1 of some.
 
 Where the file has bit planes, the mesh is the smoothest that agrees with them, and unless another --preset is
 asked for the optimisation goes on until it converges.

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use shrouds_codec::{Header, unpack_labels};
-use shrouds_io::write_npy_labels;
+use shrouds_io::write_labels;
 
 use super::shroud_args;
 use super::volume::Report;
@@ -22,13 +22,9 @@ pub(super) fn write(
     console: Console,
     progress: Progress,
 ) -> Result<(), Failure> {
-    if !args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("npy")) {
-        let message = "the file holds labels, which are written to .npy: choose some of them with --label, or name a mesh or a folder for a mesh of each";
-        return Err(Failure::Call(format!("{}: {message}", args.input.display())));
-    }
     let (header, map) = open(&args.input, unpack_labels)?;
     progress.stage("writing");
-    write_npy_labels(&args.output, map.grid().dims(), map.values())?;
+    write_labels(&args.output, map.grid(), map.values(), &frame(&header))?;
     drop(progress);
     let mut report = Report::new(args, &header, map.grid());
     report.labels = Some(map.labels().to_vec());

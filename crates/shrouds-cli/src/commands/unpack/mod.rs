@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use shrouds::Occupancy;
 use shrouds_codec::{Chunk, Content, Header, read_header, unpack, unpack_labels, unpack_partial};
-use shrouds_io::{mesh_format, written_format};
+use shrouds_io::{mesh_format, written_format, written_label_format};
 
 use crate::args::{self, UnpackArgs};
 use crate::console::Console;
@@ -38,8 +38,10 @@ pub(crate) fn run(args: &UnpackArgs, console: Console) -> Result<(), Failure> {
     let is_mesh = mesh_format(&args.output).is_ok();
     let target = Target { output: &args.output, extension: &args.format, input: &args.input };
     let is_folder = is_each && target.is_folder();
-    if !is_mesh && !is_folder {
-        written_format(&args.output)?;
+    match is_mesh || is_folder {
+        true => {}
+        false if is_each => drop(written_label_format(&args.output)?),
+        false => drop(written_format(&args.output)?),
     }
     check_bits(args, &header, is_mesh || is_folder)?;
     if !is_folder {
