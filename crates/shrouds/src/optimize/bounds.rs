@@ -8,20 +8,21 @@ use crate::surface::Surface;
 /// The bounds of all vertices, and narrower ones of each where the caller gives some.
 pub(super) struct Bounds<R> {
     pub(super) all: [R; 2],
+    /// The same in double precision.
+    exact: [f64; 2],
     /// By vertex; empty if there are none.
     own: Vec<[R; 2]>,
 }
 
 impl<R: Real> Bounds<R> {
     pub(super) fn new(all: [f64; 2]) -> Self {
-        Self { all: all.map(R::from_f64), own: Vec::new() }
+        Self { all: all.map(R::from_f64), exact: all, own: Vec::new() }
     }
 
     /// Gives every vertex the bounds of its interval: as far from its ends as those of all are from
     /// 0 and 1, in proportion, and not beyond those.
     pub(super) fn narrow(&mut self, intervals: &[[f64; 2]]) {
-        let all = self.all.map(R::to_f64);
-        let own = |interval: &[f64; 2]| within(*interval, all).map(R::from_f64);
+        let own = |interval: &[f64; 2]| within(*interval, self.exact).map(R::from_f64);
         self.own = intervals.iter().map(own).collect();
     }
 
@@ -37,6 +38,7 @@ impl<R: Real> Bounds<R> {
         cut(x, &self.own);
     }
 
+    /// Those of a vertex.
     #[inline(always)]
     pub(super) fn of(&self, v: usize) -> [R; 2] {
         self.own.get(v).copied().unwrap_or(self.all)

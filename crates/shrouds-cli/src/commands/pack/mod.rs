@@ -18,7 +18,7 @@ use crate::output::check_targets;
 use crate::progress::Progress;
 use crate::settings::{border, face_rule};
 use call::Call;
-use report::Report;
+use report::{PlanesReport, Report};
 
 pub(crate) fn run(args: &PackArgs, console: Console) -> Result<(), Failure> {
     let start = Instant::now();
@@ -67,7 +67,7 @@ fn volume(
     let packed = write(args, |out| pack_with_planes(&source.occupancy, &settings, &planes, out))?;
     let mut report = Report::new(args, source.selection, source.occupancy.grid().dims(), &packed);
     report.inside = Some(inside);
-    report.planes = call.places().zip(distances).map(|(from, distances)| report::PlanesReport {
+    report.planes = call.places().zip(distances).map(|(from, distances)| PlanesReport {
         from,
         bits: args.bits,
         bytes: packed.planes,
