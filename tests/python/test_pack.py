@@ -5,6 +5,7 @@ import json
 import nibabel
 import numpy as np
 import pytest
+import trimesh
 
 from judge import sample_volume
 
@@ -56,6 +57,10 @@ def test_all_labels_come_back(shrouds, atlas, tmp_path, profile):
     shrouds("pack", atlas, "--labels", "all", "-o", packed, "--profile", profile, "--quiet")
     shrouds("unpack", packed, "-o", back, "--quiet")
     np.testing.assert_array_equal(np.load(back), labels().transpose(2, 1, 0))
+    image = tmp_path / "b.nii.gz"
+    shrouds("unpack", packed, "-o", image, "--quiet")
+    np.testing.assert_array_equal(np.asarray(nibabel.load(image).dataobj), labels())
+    np.testing.assert_allclose(nibabel.load(image).affine, AFFINE, atol=1e-5)
     shrouds("unpack", packed, "--label", 7, "--label", 1000, "-o", back, "--quiet")
     expected = np.isin(labels(), [7, 1000]).transpose(2, 1, 0)
     np.testing.assert_array_equal(np.load(back), expected)
@@ -67,3 +72,36 @@ def test_the_mesh_is_that_of_the_volume(shrouds, atlas, mesh_of, tmp_path):
     shrouds("unpack", packed, "-o", out, "--quiet")
     mesh_of(atlas, "--label", 1000)
     assert out.read_bytes() == (tmp_path / "out.ply").read_bytes()
+
+
+def test_every_bit_brings_the_mesh_nearer(shrouds, tmp_path):
+    """Against the sphere itself, known to trimesh alone."""
+    source, packed, out = (tmp_path / name for name in ("a.ply", "a.shroud", "b.ply"))
+    radius = 1.7
+    trimesh.creation.icosphere(subdivisions=5, radius=radius).export(source)
+    errors = []
+    for bits in (0, 1, 2, 4, 8):
+        call = ["pack", source, "--size", 33, "--bits", bits, "-o", packed, "--json", "--quiet"]
+        report = json.loads(shrouds(*call))
+        assert (report["planes"] or {"bits": 0})["bits"] == bits
+        shrouds("unpack", packed, "-o", out, "--quiet")
+        mesh = trimesh.load(out)
+        assert mesh.is_watertight and mesh.euler_number == 2
+        distances = np.linalg.norm(mesh.vertices, axis=1) - radius
+        errors.append(np.sqrt((distances**2).mean()) / (2 * radius / 30))
+    # A bit halves the interval: at most half of what is left after none of them, and so on.
+    limits = [0.25 * 2.0**-bits for bits in (0, 1, 2, 4, 8)]
+    assert all(error < limit for error, limit in zip(errors, limits)), errors
+    assert errors == sorted(errors, reverse=True)
+
+
+def test_every_packed_label_has_its_mesh(shrouds, atlas, tmp_path):
+    packed, folder = tmp_path / "a.shroud", tmp_path / "organs"
+    shrouds("pack", atlas, "--labels", "all", "-o", packed, "--quiet")
+    shrouds("unpack", packed, "-o", folder, "--quiet")
+    there = sorted(path.name for path in folder.iterdir())
+    assert there == sorted(f"label-{label}.ply" for label in np.unique(labels()) if label)
+    ball = trimesh.load(folder / "label-1000.ply")
+    voxel = abs(np.linalg.det(AFFINE[:3, :3]))
+    assert ball.is_watertight
+    assert ball.volume == pytest.approx((labels() == 1000).sum() * voxel, rel=0.03)

@@ -5,10 +5,12 @@
 //! exit code.
 
 mod args;
+mod body;
 mod certificate;
 mod colouring;
 mod commands;
 mod console;
+mod each;
 mod energies;
 mod failure;
 mod figures;
@@ -18,6 +20,7 @@ mod label_map;
 mod lines;
 mod measure;
 mod output;
+mod packed;
 mod picture;
 mod phantom;
 mod progress;

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use serde::Serialize;
+use shrouds::Grid;
 use shrouds::check::CheckReport;
 use shrouds::optimize::{self, ComponentVolume, Round};
 
@@ -32,14 +33,21 @@ pub(crate) struct Input {
     pub(crate) file: String,
     /// Which voxels are inside, in words.
     pub(crate) selection: String,
+    #[serde(flatten)]
+    pub(crate) lattice: Lattice,
+    /// Number of inside voxels.
+    pub(crate) inside: u64,
+}
+
+/// A lattice and where it lies.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Lattice {
     /// Lattice points along x, y, z.
     pub(crate) dims: [usize; 3],
     pub(crate) spacing: [f64; 3],
     pub(crate) affine: [[f64; 4]; 3],
     pub(crate) frame: String,
     pub(crate) unit: String,
-    /// Number of inside voxels.
-    pub(crate) inside: u64,
 }
 
 #[derive(Debug, Clone, Serialize)]
@@ -200,16 +208,23 @@ impl Report {
 
 impl Input {
     pub(crate) fn new(source: &Source) -> Self {
-        let grid = &source.lattice;
         Self {
             file: name(&source.path),
             selection: source.selection.clone(),
+            lattice: Lattice::new(&source.lattice, &source.frame.name, &source.frame.unit),
+            inside: source.occupancy.count(),
+        }
+    }
+}
+
+impl Lattice {
+    pub(crate) fn new(grid: &Grid, frame: &str, unit: &str) -> Self {
+        Self {
             dims: grid.dims(),
             spacing: grid.spacing(),
             affine: grid.affine(),
-            frame: source.frame.name.clone(),
-            unit: source.frame.unit.clone(),
-            inside: source.occupancy.count(),
+            frame: frame.into(),
+            unit: unit.into(),
         }
     }
 }

@@ -1,10 +1,15 @@
 //! Bit planes give every bit back, and damage is noticed.
 #![allow(clippy::unwrap_used)]
 
+use std::ops::ControlFlow;
+
 use proptest::prelude::*;
+use shrouds::check::{CheckSettings, check};
+use shrouds::mesh::{MeshKind, Triangles, place_vertices, slope_normals};
+use shrouds::optimize::{self, Optimum, optimize};
 use shrouds::surface::Surface;
 use shrouds::volume::{Border, FaceRule, phantom};
-use shrouds::{Grid, Occupancy};
+use shrouds::{Grid, Occupancy, TriMesh};
 use shrouds_codec::geometry::{MAX_PLANES, decode, encode};
 use shrouds_codec::{Error, Planes, Settings, pack_with_planes, unpack};
 
@@ -43,6 +48,35 @@ fn goes_round(surface: &Surface, delta: &[f64], planes: usize) {
         let [low, high] = [low, high].map(|end| end.clamp(0.002, 0.998));
         assert!((low..=high).contains(&found), "{found} in {low}..{high}");
     }
+}
+
+/// Places the vertices within the intervals of some planes as `shrouds unpack` does; checks that they
+/// are there and that the mesh has every lattice point on its side.
+fn separates(volume: &Occupancy, surface: &Surface, delta: &[f64], planes: usize) {
+    if delta.is_empty() {
+        return;
+    }
+    let coded = encode(surface, delta, planes).unwrap();
+    let intervals: Vec<[f64; 2]> =
+        decode(surface, &coded.settings, &payloads(&coded)).intervals().collect();
+    let settings = optimize::Settings {
+        preset: optimize::Preset::Exact,
+        intervals: Some(intervals.clone().into()),
+        ..Default::default()
+    };
+    let Optimum { delta: found, slopes, .. } =
+        optimize(surface, &settings, &mut |_| ControlFlow::Continue(())).unwrap();
+    for ((found, delta), [low, high]) in found.iter().zip(delta).zip(intervals) {
+        assert!(low < *found && *found < high, "{found} in {low}..{high}");
+        assert!((found - delta).abs() <= high - low);
+    }
+    let vertices = place_vertices(surface, &found);
+    let normals = slope_normals(surface, &slopes);
+    let mesh = TriMesh::span(surface, vertices, normals, MeshKind::Primal, Triangles::Fixed);
+    // Places at random may cross each other.
+    let settings = CheckSettings { self_intersections: false, ..CheckSettings::default() };
+    let report = check(&mesh, volume, &settings).unwrap();
+    assert!(report.is_clean(), "{:?}", report.problems());
 }
 
 #[test]
@@ -178,7 +212,9 @@ proptest! {
         let grid = Grid::new(dims, [1.0; 3]).unwrap();
         let volume = Occupancy::from_fn(grid, |[i, j, k]| bits[(k * ny + j) * nx + i]);
         let surface = Surface::extract(&volume, FaceRule::Separate, Border::Closed).unwrap();
-        goes_round(&surface, &random(surface.vertex_count(), seed), planes);
+        let delta = random(surface.vertex_count(), seed);
+        goes_round(&surface, &delta, planes);
+        separates(&volume, &surface, &delta, planes);
     }
 
     #[test]

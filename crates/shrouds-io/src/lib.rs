@@ -39,5 +39,5 @@ pub use stream::Progress;
 pub use volume::{
     Axes, Contents, ElementType, Frame, RawLayout, Segment, Selected, Values, Volume, VolumeFormat,
     VolumeOptions, read_contents, read_occupancy, read_volume, volume_files, volume_format,
-    write_npy, write_npy_labels, write_volume, written_format,
+    write_labels, write_npy, write_volume, written_format, written_label_format,
 };

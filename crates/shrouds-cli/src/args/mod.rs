@@ -19,11 +19,12 @@ use crate::energies;
 pub(crate) use lines::{ContoursArgs, NetworkArgs};
 pub(crate) use measure::MeasureArgs;
 pub(crate) use names::{
-    Attribute, Axes, Border, Each, Faces, Field, FrameChoice, Interpolation, Operation, PlaneAxis,
-    Preset, Profile, Solver, SurfaceKind, TriangleRule, VolumeRule, Winding,
+    Attribute, Axes, Border, Each, Faces, Field, FrameChoice, Interpolation, Operation, Places,
+    PlaneAxis, Preset, Profile, Solver, SurfaceKind, TriangleRule, VolumeRule, Winding,
 };
 pub(crate) use operations::{
-    CleanArgs, CombineArgs, CropArgs, EditArgs, OffsetArgs, ResampleArgs, VoxelizeArgs, Window,
+    CleanArgs, CombineArgs, CropArgs, EditArgs, LatticeArgs, OffsetArgs, ResampleArgs,
+    VoxelizeArgs, Window,
 };
 pub(crate) use pack::{PackArgs, UnpackArgs};
 pub(crate) use polygon::{PolygonArgs, Slice};

@@ -147,6 +147,29 @@ pub(crate) enum Profile {
     Dense,
 }
 
+/// Where the places of the vertices in a `.shroud` file come from.
+#[derive(ValueEnum, Serialize, Debug, Clone, Copy, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Places {
+    /// The shroud of the volume, with the options of `shrouds mesh`
+    Shroud,
+    /// The isosurface of the grey values at --threshold
+    Isosurface,
+    /// The mesh that is packed
+    Mesh,
+}
+
+impl Places {
+    /// What a message calls the surface.
+    pub(crate) fn surface(self) -> &'static str {
+        match self {
+            Self::Shroud => "shroud",
+            Self::Isosurface => "isosurface",
+            Self::Mesh => "mesh",
+        }
+    }
+}
+
 /// Numbers for every vertex of a mesh.
 #[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Attribute {

@@ -163,12 +163,23 @@ pub(crate) struct VoxelizeArgs {
     /// The volume file to write: 1 inside, 0 outside
     #[arg(short, long, value_name = "VOLUME")]
     pub(crate) output: PathBuf,
-    /// So many voxels along the longest side, margins included
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    pub(crate) size: Option<u32>,
     /// Distance of the voxels, one for all axes or along x, y, z, in the unit of the mesh
     #[arg(long, value_name = "H|HX,HY,HZ", value_parser = values::lengths)]
     pub(crate) spacing: Option<[f64; 3]>,
+    #[command(flatten)]
+    pub(crate) lattice: LatticeArgs,
+    /// Print what was done as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// The lattice on which a mesh is voxelised, and what is inside of it.
+#[derive(Args)]
+#[command(next_help_heading = "Lattice of a mesh")]
+pub(crate) struct LatticeArgs {
+    /// So many voxels along the longest side, margins included
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) size: Option<u32>,
     /// Take the lattice of this volume
     #[arg(long, value_name = "VOLUME")]
     pub(crate) like: Option<PathBuf>,
@@ -176,14 +187,24 @@ pub(crate) struct VoxelizeArgs {
     #[arg(long, requires = "like")]
     pub(crate) fit: bool,
     /// Voxels more on every side than the mesh needs; with --like only for --fit
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = Self::MARGIN)]
     pub(crate) margin: u32,
     /// Which winding numbers are inside
     #[arg(long, value_enum, default_value_t = Winding::NonZero)]
     pub(crate) winding: Winding,
-    /// Print what was done as JSON
-    #[arg(long)]
-    pub(crate) json: bool,
+}
+
+impl LatticeArgs {
+    /// The margin without another.
+    const MARGIN: u32 = 1;
+
+    /// Whether the call says anything about a mesh to voxelise.
+    pub(crate) fn is_given(&self) -> bool {
+        self.size.is_some()
+            || self.like.is_some()
+            || self.margin != Self::MARGIN
+            || self.winding != Winding::NonZero
+    }
 }
 
 /// Ranges of voxel indices along x, y, z.

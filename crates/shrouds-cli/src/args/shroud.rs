@@ -30,6 +30,29 @@ pub(crate) struct ShroudArgs {
     pub(crate) strict: bool,
 }
 
+impl ShroudArgs {
+    /// Whether the call says how a shroud is to be made; how ambiguous faces are cut and what lies
+    /// beyond the volume is asked of other surfaces, too.
+    pub(crate) fn is_given(&self) -> bool {
+        let solve = &self.solve;
+        self.energy.is_some()
+            || self.crease.is_some()
+            || self.strict
+            || solve.parameter.is_some()
+            || solve.preset.is_some()
+            || solve.tolerance.is_some()
+            || solve.max_iterations.is_some()
+            || solve.solver != Solver::Newton
+            || solve.start != Start::Blur
+            || solve.volume != VolumeRule::Free
+    }
+
+    /// Whether the call says which mesh is made of a surface.
+    pub(crate) fn is_mesh_given(&self) -> bool {
+        self.solve.surface != SurfaceKind::Primal || self.solve.triangles != TriangleRule::Fitted
+    }
+}
+
 /// All but the energy.
 #[derive(Args, Clone)]
 #[command(next_help_heading = "Surface")]

@@ -113,6 +113,12 @@ pub(crate) fn finite(text: &str) -> Result<f64, String> {
     number(text).ok_or_else(|| "give a number".into())
 }
 
+/// Bits for the place of a vertex.
+pub(crate) fn bits(text: &str) -> Result<u8, String> {
+    let bits = text.parse().ok().filter(|bits| [0, 1, 2, 4, 8].contains(bits));
+    bits.ok_or_else(|| "give 0, 1, 2, 4 or 8".into())
+}
+
 /// A number above 0.
 pub(crate) fn positive(text: &str) -> Result<f64, String> {
     number(text).filter(|x| *x > 0.0).ok_or_else(|| "give a number above 0".into())
@@ -213,6 +219,7 @@ mod tests {
         assert_eq!(every("k:2.5"), Ok(Every { axis: PlaneAxis::K, distance: 2.5 }));
         assert!(["z", "z:", "z:0", "w:1", "z:-1"].iter().all(|s| every(s).is_err()));
         assert!(["0", "1", "nan"].iter().all(|s| fraction(s).is_err()));
+        assert!(bits("2") == Ok(2) && ["3", "-1", "16"].iter().all(|s| bits(s).is_err()));
         assert!(finite("nan").is_err() && positive("0").is_err() && elevation("91").is_err());
     }
 }

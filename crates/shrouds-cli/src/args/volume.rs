@@ -120,13 +120,17 @@ impl VolumeArgs {
 
     /// Whether the call says anything about a file.
     pub(crate) fn is_given(&self) -> bool {
+        self.is_selecting() || self.spacing.is_some()
+    }
+
+    /// Whether the call says which part of a file is meant.
+    pub(crate) fn is_selecting(&self) -> bool {
         !self.labels.is_empty()
             || !self.frames.is_empty()
             || self.array.is_some()
             || self.level > 0
             || self.raw_dims.is_some()
             || self.threshold.is_some()
-            || self.spacing.is_some()
     }
 }
 

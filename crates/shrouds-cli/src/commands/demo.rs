@@ -97,7 +97,7 @@ impl Files {
 /// The numbers as a table for people.
 fn numbers(name: &str, report: &Report) -> String {
     let Report { input, topology, solver, geometry, checks, times, .. } = report;
-    let [nx, ny, nz] = input.dims;
+    let [nx, ny, nz] = input.lattice.dims;
     let points = grouped((nx * ny * nz) as u64);
     let against = |value: f64, truth: Option<f64>| match truth {
         Some(truth) => {

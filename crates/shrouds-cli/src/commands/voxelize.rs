@@ -2,15 +2,13 @@
 
 use serde::Serialize;
 use shrouds::check::Found;
-use shrouds::voxelize::{Fit, Method, Rule, VoxelizeReport, grid_for, voxelize};
-use shrouds::{Grid, TriMesh};
-use shrouds_io::{Frame, VolumeOptions, read_contents, read_mesh, volume_format, write_volume};
-use shrouds_io::{mesh_format, written_format};
+use shrouds::voxelize::{Method, VoxelizeReport};
+use shrouds_io::{mesh_format, write_volume, written_format};
 
-use crate::args::{VoxelizeArgs, Winding};
+use crate::args::VoxelizeArgs;
+use crate::body::Body;
 use crate::console::{Console, grouped, number, print_json};
 use crate::failure::Failure;
-use crate::measure::bounds;
 use crate::output::check_targets;
 use crate::progress::Progress;
 use crate::report::name;
@@ -50,43 +48,11 @@ struct Report {
 pub(crate) fn run(args: &VoxelizeArgs, console: Console) -> Result<(), Failure> {
     mesh_format(&args.mesh)?;
     written_format(&args.output)?;
-    args.like.as_ref().map_or(Ok(()), |like| volume_format(like).map(drop))?;
-    let inputs: Vec<_> = std::iter::once(&*args.mesh).chain(args.like.as_deref()).collect();
+    let inputs: Vec<_> = std::iter::once(&*args.mesh).chain(args.lattice.like.as_deref()).collect();
     check_targets(&[&args.output], &inputs)?;
     let progress = Progress::new(console.quiet);
-    progress.stage("reading the mesh");
-    let mut mesh = read_mesh(&args.mesh)?;
-    let here = |error: shrouds::Error| match Failure::from(error) {
-        Failure::Undone(text) => Failure::Undone(format!("{}: {text}", args.mesh.display())),
-        other => other,
-    };
-    let margin = args.margin as usize;
-    let unknown = || Frame { name: "unnamed".into(), unit: "unknown".into(), source: "mesh" };
-    let (grid, frame) = match (&args.like, args.spacing, args.size) {
-        (Some(like), _, _) => {
-            let (grid, frame, _) = read_contents(like, &VolumeOptions::default())?;
-            if args.fit {
-                fit(&mut mesh, &grid, margin).map_err(|problem| {
-                    Failure::Undone(format!("{}: {problem}", args.mesh.display()))
-                })?;
-            }
-            (grid, frame)
-        }
-        (None, Some(spacing), _) => {
-            (grid_for(&mesh, Fit::Spacing(spacing), margin).map_err(here)?, unknown())
-        }
-        (None, None, size) => {
-            let size = size.unwrap_or_default() as usize;
-            (grid_for(&mesh, Fit::Size(size), margin).map_err(here)?, unknown())
-        }
-    };
-    progress.stage("voxelising");
-    let rule = match args.winding {
-        Winding::NonZero => Rule::NonZero,
-        Winding::Positive => Rule::Positive,
-        Winding::Odd => Rule::Odd,
-    };
-    let voxelized = voxelize(&mesh, &grid, rule).map_err(here)?;
+    let body = Body::read(&args.mesh, &args.lattice, args.spacing, &progress)?;
+    let (voxelized, frame) = (body.voxelized, body.frame);
     progress.stage("writing");
     write_volume(&args.output, &voxelized.volume, &frame)?;
     drop(progress);
@@ -101,34 +67,6 @@ pub(crate) fn run(args: &VoxelizeArgs, console: Console) -> Result<(), Failure> 
         return print_json(&report);
     }
     console.message(&report.in_words(args));
-    Ok(())
-}
-
-/// Scales and moves a mesh so that its box fills that of a lattice, less `margin` voxels on every
-/// side, and has its middle there.
-fn fit(mesh: &mut TriMesh, grid: &Grid, margin: usize) -> Result<(), String> {
-    let [low, high] = bounds(mesh.vertices.iter().copied()).ok_or("the mesh has no vertices")?;
-    let dims = grid.dims();
-    if dims.iter().any(|&n| n <= 2 * margin + 1) {
-        return Err(format!("a lattice of {dims:?} voxels has no room within --margin {margin}"));
-    }
-    // Of a lattice turned against the world the box of its corners would be too large.
-    let affine = grid.affine();
-    let is_along_world = (0..3).all(|c| affine.iter().filter(|row| row[c] != 0.0).count() == 1);
-    if !is_along_world {
-        return Err("--fit needs a lattice along the axes of the world".into());
-    }
-    let corners = [dims.map(|_| margin as f64), dims.map(|n| (n - 1 - margin) as f64)];
-    let [a, b] = corners.map(|corner| grid.point(corner));
-    let scale = (0..3).map(|d| (b[d] - a[d]).abs() / (high[d] - low[d])).fold(f64::MAX, f64::min);
-    if !scale.is_finite() || scale <= 0.0 {
-        return Err("the mesh has no extent to scale".into());
-    }
-    for vertex in &mut mesh.vertices {
-        *vertex = std::array::from_fn(|d| {
-            0.5 * (a[d] + b[d]) + scale * (vertex[d] - 0.5 * (low[d] + high[d]))
-        });
-    }
     Ok(())
 }
 

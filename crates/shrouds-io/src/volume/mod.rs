@@ -45,11 +45,11 @@ use crate::stream::Stream;
 pub use contents::{Contents, Segment};
 pub use decode::ElementType;
 pub use files::volume_files;
-pub use npy::{write_npy, write_npy_labels};
+pub use npy::write_npy;
 pub use options::{Axes, VolumeOptions};
 pub use raw::RawLayout;
 pub use values::Values;
-pub use write::{write_volume, written_format};
+pub use write::{write_labels, write_volume, written_format, written_label_format};
 
 /// The values of a volume file on their lattice.
 #[derive(Debug, Clone, PartialEq)]

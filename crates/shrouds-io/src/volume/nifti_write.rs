@@ -5,11 +5,11 @@ use std::path::Path;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use shrouds::{Grid, Occupancy};
+use shrouds::Grid;
 
 use crate::atomic::write_atomically;
 use crate::error::Error;
-use crate::volume::write::write_bytes;
+use crate::volume::write::{Data, Element};
 use crate::volume::{Frame, affine_of, diagonal};
 
 /// Bytes of the header and the four that say that it has no extensions.
@@ -17,27 +17,22 @@ const DATA: usize = 352;
 /// Cosine between axes from which on no qform can hold them.
 const SHEAR: f64 = 1e-4;
 
-pub(super) fn write(
-    path: &Path,
-    volume: &Occupancy,
-    frame: &Frame,
-    gzip: bool,
-) -> Result<(), Error> {
-    let header = header(path, volume.grid(), frame)?;
+pub(super) fn write(path: &Path, data: &Data, frame: &Frame, gzip: bool) -> Result<(), Error> {
+    let header = header(path, data.grid, data.element, frame)?;
     write_atomically(path, |writer| {
         if !gzip {
             writer.write_all(&header)?;
-            return write_bytes(volume, writer);
+            return (data.write)(writer);
         }
         // Bits barely compress further at a higher level.
         let mut encoder = GzEncoder::new(writer, Compression::fast());
         encoder.write_all(&header)?;
-        write_bytes(volume, &mut encoder)?;
+        (data.write)(&mut encoder)?;
         encoder.finish().map(|_| ())
     })
 }
 
-fn header(path: &Path, grid: &Grid, frame: &Frame) -> Result<[u8; DATA], Error> {
+fn header(path: &Path, grid: &Grid, element: Element, frame: &Frame) -> Result<[u8; DATA], Error> {
     let mut dims = [0i16; 3];
     for (short, length) in dims.iter_mut().zip(grid.dims()) {
         *short = i16::try_from(length).map_err(|_| {
@@ -64,7 +59,7 @@ fn header(path: &Path, grid: &Grid, frame: &Frame) -> Result<[u8; DATA], Error> 
     let dim = [3, dims[0], dims[1], dims[2], 1, 1, 1, 1];
     put(40, &dim.map(i16::to_le_bytes).concat());
     // Data type and its bits.
-    put(70, &[2i16, 8].map(i16::to_le_bytes).concat());
+    put(70, &[element.nifti, 8 * element.width as i16].map(i16::to_le_bytes).concat());
     put(108, &floats(&[DATA as f64, 1.0, 0.0]));
     put(123, &[unit]);
     let turn = turn(&affine).filter(|_| code > 0);

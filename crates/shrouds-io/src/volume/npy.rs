@@ -11,7 +11,7 @@ use crate::atomic::write_atomically;
 use crate::error::Error;
 use crate::stream::Stream;
 use crate::volume::decode::{Element, Elements, Endian};
-use crate::volume::write::write_bytes;
+use crate::volume::write::{Data, write_bytes};
 use crate::volume::{Axes, Contents, Frame, Unread, VolumeOptions, affine_of, diagonal, lattice};
 
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
@@ -60,26 +60,9 @@ pub fn write_npy(path: impl AsRef<Path>, volume: &Occupancy) -> Result<(), Error
     write_array(path, "|u1", volume.grid().dims(), |writer| write_bytes(volume, writer))
 }
 
-/// Writes labels, one per lattice point, x fastest, as an array of whole numbers, as small as hold them
-/// all: `uint8`, `uint16` or `int64`. It is indexed `[z, y, x]` in C order.
-///
-/// # Errors
-/// As for [`write_atomically`].
-pub fn write_npy_labels(
-    path: impl AsRef<Path>,
-    dims: [usize; 3],
-    labels: impl Iterator<Item = i64> + Clone,
-) -> Result<(), Error> {
-    let (low, high) =
-        labels.clone().fold((0, 0), |(low, high), label| (label.min(low), label.max(high)));
-    let (element, width) = match (low, high) {
-        (0, 0..=255) => ("|u1", 1),
-        (0, 256..=65_535) => ("<u2", 2),
-        _ => ("<i8", 8),
-    };
-    write_array(path, element, dims, |writer| {
-        labels.into_iter().try_for_each(|label| writer.write_all(&label.to_le_bytes()[..width]))
-    })
+/// Writes values as an array indexed `[z, y, x]` in C order.
+pub(super) fn write(path: &Path, data: &Data) -> Result<(), Error> {
+    write_array(path, data.element.npy, data.grid.dims(), |writer| (data.write)(writer))
 }
 
 /// Writes a header and the values that `write` writes.

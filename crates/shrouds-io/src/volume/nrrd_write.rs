@@ -4,27 +4,28 @@ use std::path::Path;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use shrouds::{Grid, Occupancy};
+use shrouds::Grid;
 
 use crate::atomic::write_atomically;
 use crate::error::Error;
-use crate::volume::write::write_bytes;
+use crate::volume::write::{Data, Element};
 use crate::volume::{Frame, affine_of, diagonal, nrrd_space};
 
-pub(super) fn write(path: &Path, volume: &Occupancy, frame: &Frame) -> Result<(), Error> {
+pub(super) fn write(path: &Path, data: &Data, frame: &Frame) -> Result<(), Error> {
     write_atomically(path, |writer| {
-        writer.write_all(header(volume.grid(), frame).as_bytes())?;
+        writer.write_all(header(data.grid, data.element, frame).as_bytes())?;
         // Bits barely compress further at a higher level.
         let mut encoder = GzEncoder::new(writer, Compression::fast());
-        write_bytes(volume, &mut encoder)?;
+        (data.write)(&mut encoder)?;
         encoder.finish().map(|_| ())
     })
 }
 
-fn header(grid: &Grid, frame: &Frame) -> String {
+fn header(grid: &Grid, element: Element, frame: &Frame) -> String {
     let [nx, ny, nz] = grid.dims();
-    let start = "NRRD0005\ntype: unsigned char\ndimension: 3\n";
-    let mut header = format!("{start}sizes: {nx} {ny} {nz}\nencoding: gzip\n");
+    let start = format!("NRRD0005\ntype: {}\ndimension: 3\n", element.nrrd);
+    let endian = if element.width > 1 { "endian: little\n" } else { "" };
+    let mut header = format!("{start}sizes: {nx} {ny} {nz}\nencoding: gzip\n{endian}");
     let unit = Some(&frame.unit).filter(|unit| {
         *unit != "unknown" && !unit.chars().any(|c| c == '"' || c == '\\' || c.is_control())
     });

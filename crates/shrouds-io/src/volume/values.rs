@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use shrouds::surface::Surface;
 use shrouds::volume::{Filler, Voxel};
 use shrouds::{Grid, Occupancy, Select};
 
@@ -118,6 +119,19 @@ impl Values {
     /// [`shrouds::Error::NotANumber`] when a value is not a number.
     pub fn occupancy(&self, grid: Grid, select: &Select) -> Result<Occupancy, shrouds::Error> {
         with_values!(self, v => Occupancy::from_values(grid, v, select))
+    }
+
+    /// δ of every vertex of the surface of the values above `level` where their linear interpolation
+    /// along its grid edge passes through it: [`Surface::isosurface_deltas`].
+    ///
+    /// # Errors
+    /// [`shrouds::Error::Length`] when the surface is that of another lattice.
+    pub fn isosurface_deltas(
+        &self,
+        surface: &Surface,
+        level: f64,
+    ) -> Result<Vec<f64>, shrouds::Error> {
+        with_values!(self, v => surface.isosurface_deltas(v, level))
     }
 
     /// Appends values of the same type.

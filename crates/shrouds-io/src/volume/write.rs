@@ -1,9 +1,9 @@
-//! Volumes to files: 0 outside, 1 inside, `uint8`.
+//! Volumes to files: 0 outside, 1 inside, `uint8`; or labels.
 
 use std::io::{self, Write};
 use std::path::Path;
 
-use shrouds::Occupancy;
+use shrouds::{Grid, Occupancy};
 
 use crate::error::Error;
 use crate::volume::{Frame, VolumeFormat, nifti_write, npy, nrrd_write, volume_format, vti_write};
@@ -31,12 +31,100 @@ pub fn write_volume(
     frame: &Frame,
 ) -> Result<(), Error> {
     let path = path.as_ref();
+    let write = |writer: &mut dyn Write| write_bytes(volume, writer);
+    let data = Data { grid: volume.grid(), element: Element::ALL[0], write: &write };
     match written_format(path)? {
-        VolumeFormat::Nrrd => nrrd_write::write(path, volume, frame),
-        VolumeFormat::Nifti => nifti_write::write(path, volume, frame, false),
-        VolumeFormat::NiftiGz => nifti_write::write(path, volume, frame, true),
         VolumeFormat::Vti => vti_write::write(path, volume),
-        _ => npy::write_npy(path, volume),
+        format => data.write_as(format, path, frame),
+    }
+}
+
+/// Writes labels, one per lattice point, x fastest, in the format that the extension of `path` names:
+/// `.npy`, `.nrrd`, `.nii` or `.nii.gz`. The type is the first of `uint8`, `uint16`, `int32` and `int64`
+/// that holds them all; for the rest see [`write_volume`].
+///
+/// # Errors
+/// As [`write_volume`].
+pub fn write_labels(
+    path: impl AsRef<Path>,
+    grid: &Grid,
+    labels: impl Iterator<Item = i64> + Clone,
+    frame: &Frame,
+) -> Result<(), Error> {
+    let path = path.as_ref();
+    let format = written_label_format(path)?;
+    let range = labels.clone().fold([0, 0], |[low, high], label| [label.min(low), label.max(high)]);
+    let element = Element::that_holds(range);
+    let write = |writer: &mut dyn Write| {
+        let mut labels = labels.clone();
+        labels.try_for_each(|label| writer.write_all(&label.to_le_bytes()[..element.width]))
+    };
+    Data { grid, element, write: &write }.write_as(format, path, frame)
+}
+
+/// The format that the extension of `path` names, if labels are written in it.
+///
+/// # Errors
+/// [`Error::Extension`] when they are not.
+pub fn written_label_format(path: impl AsRef<Path>) -> Result<VolumeFormat, Error> {
+    let path = path.as_ref();
+    match written_format(path) {
+        Ok(format) if format != VolumeFormat::Vti => Ok(format),
+        _ => {
+            let known = "labels are written as .nii, .nii.gz, .nrrd and .npy";
+            Err(Error::Extension { path: path.into(), kind: "volume", known })
+        }
+    }
+}
+
+/// A type of values as the formats call it, the lowest byte first.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Element {
+    pub(super) npy: &'static str,
+    pub(super) nrrd: &'static str,
+    pub(super) nifti: i16,
+    /// Bytes of a value.
+    pub(super) width: usize,
+    /// The values it holds.
+    range: [i64; 2],
+}
+
+impl Element {
+    const ALL: [Self; 4] = [
+        Self { npy: "|u1", nrrd: "unsigned char", nifti: 2, width: 1, range: [0, 255] },
+        Self { npy: "<u2", nrrd: "unsigned short", nifti: 512, width: 2, range: [0, 65_535] },
+        Self {
+            npy: "<i4",
+            nrrd: "int",
+            nifti: 8,
+            width: 4,
+            range: [i32::MIN as i64, i32::MAX as i64],
+        },
+        Self { npy: "<i8", nrrd: "long long", nifti: 1024, width: 8, range: [i64::MIN, i64::MAX] },
+    ];
+
+    fn that_holds([low, high]: [i64; 2]) -> Self {
+        let holds = |element: &&Self| element.range[0] <= low && high <= element.range[1];
+        *Self::ALL.iter().find(holds).unwrap_or(&Self::ALL[3])
+    }
+}
+
+/// Values on a lattice, on their way into a file.
+pub(super) struct Data<'a> {
+    pub(super) grid: &'a Grid,
+    pub(super) element: Element,
+    /// Writes the values, x fastest.
+    pub(super) write: &'a dyn Fn(&mut dyn Write) -> io::Result<()>,
+}
+
+impl Data<'_> {
+    fn write_as(&self, format: VolumeFormat, path: &Path, frame: &Frame) -> Result<(), Error> {
+        match format {
+            VolumeFormat::Nrrd => nrrd_write::write(path, self, frame),
+            VolumeFormat::Nifti => nifti_write::write(path, self, frame, false),
+            VolumeFormat::NiftiGz => nifti_write::write(path, self, frame, true),
+            _ => npy::write(path, self),
+        }
     }
 }
 

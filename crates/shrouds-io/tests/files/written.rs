@@ -1,7 +1,7 @@
 //! Volumes written as NIfTI and VTI come back with their bits, their place and its name.
 
 use shrouds::{Grid, Occupancy, Select};
-use shrouds_io::{Error, Frame, VolumeOptions, write_volume};
+use shrouds_io::{Error, Frame, VolumeOptions, read_volume, write_labels, write_volume};
 
 use crate::common::{Folder, read_both};
 
@@ -138,4 +138,35 @@ fn axes_too_long_for_nifti_are_refused() {
     let error = write_volume(folder.path("a.nii"), &volume, &frame("RAS", "mm")).unwrap_err();
     assert!(error.to_string().contains("32767 points along an axis, not 40000"), "{error}");
     assert!(folder.names().is_empty());
+}
+
+#[test]
+fn labels_come_back_in_the_smallest_type() {
+    let folder = Folder::new();
+    let grid = Grid::with_affine([3, 2, 2], turned(-1.0)).unwrap();
+    let cases: [(&[i64], &str); 5] = [
+        (&[0, 255], "u8"),
+        (&[0, 256, 65_535], "u16"),
+        (&[0, 65_536], "i32"),
+        (&[-1, 3], "i32"),
+        (&[i64::MIN, 0, i64::MAX], "i64"),
+    ];
+    for (labels, element) in cases {
+        let labels: Vec<i64> = labels.iter().copied().cycle().take(12).collect();
+        for name in ["a.nii", "a.nii.gz", "a.nrrd", "a.npy"] {
+            let path = folder.path(name);
+            write_labels(&path, &grid, labels.iter().copied(), &frame("RAS", "mm")).unwrap();
+            let read = read_volume(&path, &VolumeOptions::default()).unwrap();
+            assert_eq!(
+                (read.values.whole(), read.values.type_name()),
+                (Some(labels.clone()), element)
+            );
+            if name != "a.npy" {
+                assert_near(read.grid.affine(), grid.affine(), 1e-4);
+            }
+        }
+    }
+    let refused =
+        write_labels(folder.path("a.vti"), &grid, [0; 12].into_iter(), &frame("RAS", "mm"));
+    assert!(matches!(refused, Err(Error::Extension { .. })));
 }

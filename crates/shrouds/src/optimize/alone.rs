@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::network::Network;
+use crate::optimize::bounds::{cut, intervals};
 use crate::optimize::flat::flatness;
 use crate::optimize::problem::{Conditions, Problem};
 use crate::optimize::settings::Settings;
@@ -12,7 +13,7 @@ use crate::surface::Surface;
 /// the minimum of the univariate function h of section 2.
 ///
 /// `delta` has the δ of every vertex; weights and barrier, where the energy has any, are those of the
-/// surface there. Of the settings only energy and margin matter.
+/// surface there. Of the settings only energy, margin and intervals matter.
 ///
 /// # Errors
 /// [`Error::Setting`] when a setting is outside its range.
@@ -33,9 +34,12 @@ pub fn minimise_vertex(
     let network = Network::trace(surface);
     let mut problem = Problem::<f64>::new(&network, &conditions, <[f32]>::to_vec);
     let [low, high] = conditions.bounds;
+    let own = intervals(surface, settings, conditions.bounds)?;
+    problem.narrow(&own);
     // δ from the position and the position from δ are the same reflection.
     let positions = surface.crossings().zip(delta).map(|(c, &delta)| c.from_low(delta));
     let mut x: Vec<f64> = positions.map(|x| x.clamp(low, high)).collect();
+    cut(&mut x, problem.bounds.own(0));
     problem.freeze(&x);
     minimise(&problem, &mut x, v);
     Ok(surface.crossing(v).from_low(x[v as usize]))

@@ -17,10 +17,13 @@ const ON_FLAT_FACES: f64 = 1.5;
 /// part of the strength follows the mean energy, which says how far the shape is from what the
 /// energy likes best. The others stand where an energy that falls with growing size would lift a
 /// part as far as it can: around parts about one voxel thin, which curve strongly, and on flat faces
-/// along the grid, whose borders do.
+/// along the grid, whose borders do. Where a vertex is known to lie in an interval, that takes the place
+/// of its grid edge: the rougher the shape, the nearer to the middle it stays.
 pub(super) struct Barrier {
     strengths: Vec<f32>,
     is_set: bool,
+    /// By vertex; empty if all have the whole grid edge.
+    intervals: Vec<[f64; 2]>,
     /// See [`Barrier::pull`]; empty where nothing pulls.
     forces: Vec<f32>,
     anchors: Vec<f64>,
@@ -43,9 +46,15 @@ impl Barrier {
         Self {
             strengths: vec![0.0; vertices],
             is_set: false,
+            intervals: Vec::new(),
             forces: Vec::new(),
             anchors: Vec::new(),
         }
+    }
+
+    /// Lets the vertices have an interval of their grid edges each.
+    pub(super) fn narrow(&mut self, intervals: Vec<[f64; 2]>) {
+        self.intervals = intervals;
     }
 
     /// Sets the strengths for vertices that lie so surely on flat faces and have these energies.
@@ -99,6 +108,10 @@ impl Barrier {
             Some(&force) => f64::from(force) * (x - self.anchors[v]),
             None => 0.0,
         };
+        let x = match self.intervals.get(v) {
+            Some([start, end]) => (x - start) / (end - start),
+            None => x,
+        };
         -f64::from(self.strengths[v]) * (4.0 * x * (1.0 - x)).ln() - work
     }
 
@@ -106,7 +119,8 @@ impl Barrier {
     #[inline]
     pub(super) fn slopes(&self, v: usize, x: f64) -> (f64, f64) {
         let strength = f64::from(self.strengths[v]);
-        let (low, high) = (1.0 / x, 1.0 / (1.0 - x));
+        let [start, end] = self.intervals.get(v).copied().unwrap_or([0.0, 1.0]);
+        let (low, high) = (1.0 / (x - start), 1.0 / (end - x));
         let force = self.forces.get(v).map_or(0.0, |&force| f64::from(force));
         (strength * (high - low) - force, strength * (low * low + high * high))
     }

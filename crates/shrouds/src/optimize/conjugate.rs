@@ -1,6 +1,7 @@
 //! Conjugate gradients on the Gauss–Newton model, within the box.
 
 use crate::network::Network;
+use crate::optimize::bounds::Bounds;
 use crate::optimize::model::Model;
 use crate::optimize::real::Real;
 use crate::parallel::{self, NONE};
@@ -8,7 +9,7 @@ use crate::parallel::{self, NONE};
 /// Room that the positions have for one step.
 pub(super) struct Room<'a, R> {
     pub(super) x: &'a [R],
-    pub(super) bounds: [R; 2],
+    pub(super) bounds: &'a Bounds<R>,
     /// The largest part of the way to a bound that a step may cover.
     pub(super) part: f32,
     /// Whether a vertex must stay where it is.
@@ -19,7 +20,13 @@ impl<R: Real> Room<'_, R> {
     /// Between what the step of a vertex at `x` must stay.
     #[inline(always)]
     fn around(&self, x: R) -> [f32; 2] {
-        self.bounds.map(|bound| self.part * (bound - x).to_f64() as f32)
+        self.bounds.all.map(|bound| self.part * (bound - x).to_f64() as f32)
+    }
+
+    /// Between what the steps of the vertices from `first` on must stay for bounds of their own.
+    fn own(&self, first: usize) -> impl Iterator<Item = [f32; 2]> {
+        let own = self.bounds.own(first).iter().zip(&self.x[first..]);
+        own.map(|(bounds, &x)| bounds.map(|bound| self.part * (bound - x).to_f64() as f32))
     }
 }
 
@@ -109,6 +116,11 @@ impl Workspace {
                 inverse[n] = if free { 1.0 / diagonal } else { 0.0 };
                 residual[n] = if free { -gradient } else { 0.0 };
             }
+            for (n, [low, high]) in room.own(first).take(count).enumerate() {
+                if low >= 0.0 && residual[n] < 0.0 || high <= 0.0 && residual[n] > 0.0 {
+                    (residual[n], inverse[n]) = (0.0, 0.0);
+                }
+            }
             norm(residual, inverse)
         })
     }
@@ -193,6 +205,9 @@ impl Workspace {
                 let [low, high] = room.around(x[n]);
                 let within = step[n].max(low).min(high);
                 step[n] = if inverse[n] > 0.0 { within } else { step[n] };
+            }
+            for (step, [low, high]) in step.iter_mut().zip(room.own(first)) {
+                *step = step.max(low).min(high);
             }
             0.0
         });

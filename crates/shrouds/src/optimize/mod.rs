@@ -10,6 +10,7 @@ mod alone;
 mod around;
 mod barrier;
 mod blur;
+mod bounds;
 mod conjugate;
 mod crease;
 mod enclosed;
@@ -45,6 +46,7 @@ use crate::network::Network;
 use crate::parallel;
 use crate::surface::Surface;
 use crate::volume::Border;
+use bounds::Bounds;
 use keep::Keeper;
 use problem::{Conditions, Problem};
 use real::Real;
@@ -71,7 +73,8 @@ pub struct Optimum {
 ///
 /// # Errors
 /// [`Error::Setting`] when a setting is outside its range, the mask of rough places is not on the grid
-/// of the volume, or volumes are to be kept by the sweeps or for an open border.
+/// of the volume, intervals are no intervals or not one for each vertex, or volumes are to be kept by
+/// the sweeps, within intervals or for an open border.
 pub fn optimize(
     surface: &Surface,
     settings: &Settings,
@@ -85,13 +88,14 @@ pub fn optimize(
     let energy = settings.energy();
     let Conditions { spacing, bounds, .. } = Conditions::new(surface, settings, &energy, &flatness);
     let x = start::positions(surface, &settings.start, spacing, bounds);
+    let intervals = bounds::intervals(surface, settings, bounds)?;
     // In double precision the bounds are nearer to their value.
     let in_double = || x.iter().map(|&x| f64::from(x).clamp(bounds[0], bounds[1])).collect();
     let rough = match &settings.rough {
         Some(marked) => Some(rough::factors(surface, marked)?),
         None => None,
     };
-    let task = Task { surface, settings, flatness: &flatness, rough };
+    let task = Task { surface, settings, flatness: &flatness, intervals: &intervals, rough };
     Ok(match (settings.solver, settings.preset) {
         _ if x.is_empty() => Optimum::default(),
         (Solver::Sweeps, _) => task.sweep(in_double(), observer),
@@ -106,6 +110,8 @@ struct Task<'a> {
     settings: &'a Settings,
     /// See [`flat::flatness`].
     flatness: &'a [f32],
+    /// See [`bounds::intervals`].
+    intervals: &'a [[f64; 2]],
     /// See [`rough::factors`].
     rough: Option<Arc<[f32]>>,
 }
@@ -121,6 +127,9 @@ impl Task<'_> {
             VolumeRule::Keep => Some(self.surface.components()),
         };
         let bounds = [self.settings.margin, 1.0 - self.settings.margin];
+        let mut own = Bounds::new(bounds);
+        own.narrow(self.intervals);
+        own.enter(self.intervals, &mut x);
         let mut keeper = components.as_ref().map(|c| Keeper::new(self.surface, c, bounds));
         let thinness = match self.settings.crease {
             Some(_) => crease::thinness(self.surface),
@@ -130,8 +139,7 @@ impl Task<'_> {
         let count = stages.len() as f64;
         for (n, plan::Stage { energy, passes, creases }) in stages.into_iter().enumerate() {
             let energy = self.with_rough_places(energy);
-            let conditions = Conditions::new(self.surface, self.settings, &energy, self.flatness);
-            let conditions = Conditions { creases, ..conditions };
+            let conditions = Conditions { creases, ..self.conditions(&energy) };
             let done = self.settings.max_iterations() - left;
             let mut of_all = |progress: Progress| {
                 let share_done = progress.share_done.map(|share| (n as f64 + share) / count);
@@ -168,14 +176,21 @@ impl Task<'_> {
     /// The paper's method.
     fn sweep(&self, mut x: Vec<f64>, observer: &mut Observer) -> Optimum {
         let energy = self.with_rough_places(self.settings.energy());
-        let conditions = Conditions::new(self.surface, self.settings, &energy, self.flatness);
+        let conditions = self.conditions(&energy);
         let network = Network::trace(self.surface);
         let mut problem = Problem::new(&network, &conditions, <[f32]>::to_vec);
+        problem.narrow(self.intervals);
+        problem.bounds.enter(self.intervals, &mut x);
         let (rounds, mut stationarity) =
             sweeps::solve(&mut problem, self.surface, &mut x, self.settings, observer);
         stationarity.is_certain = energy.is_convex();
         let report = Report::new(rounds, 0, &stationarity);
         Optimum { delta: deltas(self.surface, &x), slopes: problem.slopes(&x), report }
+    }
+
+    fn conditions<'b>(&'b self, energy: &'b Energy) -> Conditions<'b> {
+        let conditions = Conditions::new(self.surface, self.settings, energy, self.flatness);
+        Conditions { intervals: self.intervals, ..conditions }
     }
 }
 

@@ -1,6 +1,7 @@
 //! One step of the default method: Gauss–Newton on all vertices at once, within the box.
 
 use crate::network::Network;
+use crate::optimize::bounds::cut;
 use crate::optimize::conjugate::{Effort, Room, Workspace};
 use crate::optimize::model::Model;
 use crate::optimize::problem::{Problem, Value};
@@ -62,7 +63,7 @@ impl<R: Real> Newton<R> {
         effort: &Effort,
     ) -> Option<Step> {
         self.workspace.solve(&self.model, problem.network, &room(problem, x), effort);
-        let [low, high] = problem.bounds.map(R::to_f64);
+        let [low, high] = problem.bounds.all.map(R::to_f64);
         let mut awkward = Vec::new();
         if effort.converges {
             awkward = self.awkward(problem, x);
@@ -73,6 +74,7 @@ impl<R: Real> Newton<R> {
                 for (x, &step) in together.iter_mut().zip(&self.workspace.steps()[first..]) {
                     *x = R::from_f64((x.to_f64() + part * f64::from(step)).clamp(low, high));
                 }
+                cut(together, problem.bounds.own(first));
                 0.0
             });
             if effort.repairs {
@@ -104,7 +106,7 @@ impl<R: Real> Newton<R> {
     fn awkward(&self, problem: &Problem<R>, x: &[R]) -> Vec<u32> {
         let far = |v: &u32| {
             let v = *v as usize;
-            self.model.lone_step(v, x[v], problem.bounds).abs() > LONG_LONE_STEP
+            self.model.lone_step(v, x[v], problem.bounds.of(v)).abs() > LONG_LONE_STEP
         };
         let list: Vec<u32> = (0..x.len() as u32).filter(far).collect();
         if list.len() <= x.len() / FEW { list } else { Vec::new() }
@@ -114,7 +116,7 @@ impl<R: Real> Newton<R> {
 /// How far every vertex may move down and up its grid edge in one step.
 fn room<'a, R: Real>(problem: &'a Problem<R>, x: &'a [R]) -> Room<'a, R> {
     let part = if problem.has_barrier() { MOST_OF_THE_WAY } else { 1.0 };
-    Room { x, bounds: problem.bounds, part, is_fixed: &problem.is_fixed }
+    Room { x, bounds: &problem.bounds, part, is_fixed: &problem.is_fixed }
 }
 
 /// One univariate step on every vertex with a very short chord, a scan of the grid edge of every

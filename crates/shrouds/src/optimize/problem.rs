@@ -6,6 +6,7 @@ use std::ops::{Add, Range};
 use crate::energy::{CurveEnergy, Energy, LANES, Support};
 use crate::network::{Network, REPEATED, Step};
 use crate::optimize::barrier::{Barrier, Shared};
+use crate::optimize::bounds::Bounds;
 use crate::optimize::crease::{self, Creases};
 use crate::optimize::real::Real;
 use crate::optimize::settings::Settings;
@@ -24,8 +25,9 @@ pub(super) struct Conditions<'a> {
     pub(super) energy: &'a Energy,
     /// Of the lattice, in units of the smallest one.
     pub(super) spacing: [f64; 3],
-    /// Between what the positions must stay.
+    /// Between what the positions must stay, and the interval of each; empty if there are none.
     pub(super) bounds: [f64; 2],
+    pub(super) intervals: &'a [[f64; 2]],
     /// See [`flatness`](crate::optimize::flat::flatness).
     pub(super) flatness: &'a [f32],
     pub(super) creases: Option<Creases<'a>>,
@@ -46,7 +48,16 @@ impl<'a> Conditions<'a> {
         let grid = surface.grid();
         let spacing = grid.spacing().map(|h| h / grid.min_spacing());
         let bounds = [settings.margin, 1.0 - settings.margin];
-        Self { energy, spacing, bounds, flatness, creases: None, mean_energy: None, forces: None }
+        Self {
+            energy,
+            spacing,
+            bounds,
+            intervals: &[],
+            flatness,
+            creases: None,
+            mean_energy: None,
+            forces: None,
+        }
     }
 }
 
@@ -57,7 +68,7 @@ pub(super) struct Problem<'a, R> {
     energy: &'a Energy,
     pub(super) parts: Vec<WeightedPart<'a, R>>,
     pub(super) lengths: Lengths<R>,
-    pub(super) bounds: [R; 2],
+    pub(super) bounds: Bounds<R>,
     pub(super) barrier: Barrier,
     /// See [`Conditions`].
     mean_energy: Option<f64>,
@@ -119,7 +130,7 @@ impl<'a, R: Real> Problem<'a, R> {
             energy: conditions.energy,
             parts: parts.collect(),
             lengths: Lengths::new(conditions.spacing),
-            bounds: conditions.bounds.map(R::from_f64),
+            bounds: Bounds::new(conditions.bounds),
             flatness: local(conditions.flatness),
             creases: conditions.creases,
             thinness: conditions.creases.map(|creases| local(creases.thinness)).unwrap_or_default(),
@@ -136,6 +147,12 @@ impl<'a, R: Real> Problem<'a, R> {
     pub(super) fn fix(&mut self, is_fixed: Vec<bool>) {
         self.has_fixed = is_fixed.contains(&true);
         self.is_fixed = is_fixed;
+    }
+
+    /// Keeps the vertices in intervals of their own, where there are some.
+    pub(super) fn narrow(&mut self, intervals: &[[f64; 2]]) {
+        self.bounds.narrow(intervals);
+        self.barrier.narrow(intervals.to_vec());
     }
 
     /// Pulls the vertices up their grid edges from where they are.

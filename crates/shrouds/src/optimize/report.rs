@@ -1,5 +1,6 @@
 //! What an optimisation says about itself.
 
+use crate::optimize::bounds::Bounds;
 use crate::optimize::model::Model;
 use crate::optimize::real::Real;
 
@@ -134,15 +135,15 @@ impl Stationarity {
     pub(super) fn of<R: Real>(
         model: &Model<R>,
         x: &[R],
-        bounds: [R; 2],
+        bounds: &Bounds<R>,
         is_fixed: &[bool],
     ) -> Self {
         let mut sum = Self::default();
-        let [low, high] = bounds;
         for (v, &x) in x.iter().enumerate().filter(|&(v, _)| !is_fixed[v]) {
+            let [low, high] = bounds.of(v);
             let gradient = model.gradient(v);
             let held = (x <= low && gradient > 0.0) || (x >= high && gradient < 0.0);
-            let step = model.lone_step(v, x, bounds);
+            let step = model.lone_step(v, x, [low, high]);
             sum.gradient_squared += if held { 0.0 } else { gradient * gradient };
             sum.curvature += model.diagonal(v);
             sum.step_squared += step * step;

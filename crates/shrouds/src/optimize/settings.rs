@@ -91,6 +91,9 @@ pub struct Settings {
     /// δ stays within `[margin, 1 − margin]`, so that no vertex touches a lattice point.
     /// Range [1e-6, 0.1]; default 0.002.
     pub margin: f64,
+    /// What is known of every δ: it stays within its interval, as far as that leaves the margin. One for
+    /// each vertex, the lower end first, both from 0 to 1. Not where volumes are kept. Default none.
+    pub intervals: Option<Arc<[[f64; 2]]>>,
     /// Whether volumes are kept. Default [`VolumeRule::Free`].
     pub volume: VolumeRule,
     /// When to stop. `Newton` with [`Preset::Exact`]: when, with weights frozen anew, the root mean
@@ -117,6 +120,7 @@ impl Default for Settings {
             preset: Preset::default(),
             start: Start::default(),
             margin: 0.002,
+            intervals: None,
             volume: VolumeRule::default(),
             tolerance: None,
             max_iterations: None,
@@ -172,6 +176,9 @@ impl Settings {
         }
         if self.volume == VolumeRule::Keep && self.solver == Solver::Sweeps {
             return Err(cannot_keep("free for the sweeps"));
+        }
+        if self.volume == VolumeRule::Keep && self.intervals.is_some() {
+            return Err(cannot_keep("free where intervals are given"));
         }
         match self.crease {
             Some(Crease { angle }) if !(0.01..=1.0).contains(&angle) => {

@@ -15,7 +15,7 @@ pub(super) const ROUNDING: f64 = 1e-14;
 /// Returns how far it moved: 0 when no attempt helped.
 pub(super) fn step<R: Real>(problem: &Problem<R>, x: &mut [R], v: u32) -> f64 {
     let old = x[v as usize];
-    let new = stepped(&mut problem.around(x, v), old, problem.bounds);
+    let new = stepped(&mut problem.around(x, v), old, problem.bounds.of(v as usize));
     x[v as usize] = new;
     new.to_f64() - old.to_f64()
 }
@@ -51,7 +51,7 @@ pub(super) fn minimise<R: Real>(problem: &Problem<R>, x: &mut [R], v: u32) {
 /// where it is: the energy may have several minima along the edge.
 pub(super) fn scan<R: Real>(problem: &Problem<R>, x: &mut [R], v: u32) {
     const PLACES: usize = 9;
-    let [low, high] = problem.bounds.map(R::to_f64);
+    let [low, high] = problem.bounds.of(v as usize).map(R::to_f64);
     let mut around = problem.around(x, v);
     let mut best = (around.at(x[v as usize]).value, x[v as usize]);
     for n in 0..PLACES {

@@ -75,7 +75,7 @@ pub(super) fn table(comparison: &Comparison) -> String {
 
 fn title(comparison: &Comparison) -> String {
     let input = &comparison.input;
-    let [nx, ny, nz] = input.dims;
+    let [nx, ny, nz] = input.lattice.dims;
     let preset = comparison
         .settings
         .preset

@@ -115,7 +115,7 @@ fn summary(output: &Path, report: &Report) -> String {
         number(geometry.volume),
         number(geometry.area),
         report.checks.wrong_side,
-        grouped(report.input.dims.iter().product::<usize>() as u64),
+        grouped(report.input.lattice.dims.iter().product::<usize>() as u64),
         report.times.total,
     )
 }

@@ -1,63 +1,30 @@
-//! `shrouds info`: what a volume or mesh file holds.
+//! What a volume file holds.
 
 use std::path::Path;
 
 use serde::Serialize;
-use shrouds::check::structure;
-use shrouds::{Select, TriMesh};
-use shrouds_io::{Contents, Values, Volume, read_mesh};
+use shrouds::Select;
+use shrouds_io::{Contents, Values, Volume};
 
-use crate::args::{InfoArgs, VolumeArgs};
-use crate::commands::unpack as packed;
-use crate::console::{Console, grouped, number, print, print_json};
+use super::{lattice_in_words, table};
+use crate::args::VolumeArgs;
+use crate::console::{grouped, number};
 use crate::failure::Failure;
 use crate::frame::orientation;
-use crate::input::{self, Kind};
-use crate::measure::bounds;
+use crate::input;
 use crate::progress::Progress;
-use crate::report::name;
+use crate::report::{Lattice, name};
 use crate::selection::Selection;
 
 /// Most labels that are shown to people.
 const SHOWN: usize = 20;
 
-pub(crate) fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
-    args.volume.refuse_coordinates()?;
-    if packed::is_packed(&args.file) {
-        return packed::info(args, console);
-    }
-    let kind = input::kind(&args.file)?;
-    let progress = Progress::new(console.quiet);
-    match kind {
-        Kind::Volume => {
-            // Warnings are part of what is told.
-            let quiet = Console { quiet: true };
-            let (_, _, contents) = input::contents(&args.file, &args.volume, quiet)?;
-            let info = VolumeInfo::new(&args.file, &args.volume, contents, &progress)?;
-            drop(progress);
-            if args.json { print_json(&info) } else { print(&info.in_words()) }
-        }
-        Kind::Mesh => {
-            progress.stage("reading");
-            let mesh = read_mesh(&args.file)?;
-            progress.stage("measuring");
-            let info = MeshInfo::new(&args.file, &mesh)?;
-            drop(progress);
-            if args.json { print_json(&info) } else { print(&info.in_words()) }
-        }
-    }
-}
-
 #[derive(Serialize)]
-struct VolumeInfo {
+pub(super) struct VolumeInfo {
     kind: &'static str,
     file: String,
-    /// Lattice points along x, y, z.
-    dims: [usize; 3],
-    spacing: [f64; 3],
-    affine: [[f64; 4]; 3],
-    frame: String,
-    unit: String,
+    #[serde(flatten)]
+    lattice: Lattice,
     /// Directions in the patient towards which x, y, z grow, where the file knows of a patient.
     orientation: Option<String>,
     /// Which part of the file gave the frame.
@@ -96,7 +63,7 @@ struct Label {
 }
 
 impl VolumeInfo {
-    fn new(
+    pub(super) fn new(
         path: &Path,
         args: &VolumeArgs,
         contents: Contents,
@@ -141,11 +108,7 @@ impl VolumeInfo {
         Self {
             kind: "volume",
             file: name(path),
-            dims: volume.grid.dims(),
-            spacing: volume.grid.spacing(),
-            affine: volume.grid.affine(),
-            frame: volume.frame.name.clone(),
-            unit: volume.frame.unit.clone(),
+            lattice: Lattice::new(&volume.grid, &volume.frame.name, &volume.frame.unit),
             orientation: orientation(&volume.grid, &volume.frame),
             frame_source: volume.frame.source,
             frames: 1,
@@ -173,8 +136,7 @@ impl VolumeInfo {
         }
     }
 
-    fn in_words(&self) -> String {
-        let [nx, ny, nz] = self.dims;
+    pub(super) fn in_words(&self) -> String {
         let range = match self.range {
             Some((low, high)) => format!("{} to {}", number(low), number(high)),
             None => "no numbers".into(),
@@ -183,17 +145,14 @@ impl VolumeInfo {
             Some(inside) => format!("{} voxels: {}", grouped(inside), self.selection),
             None => format!("unknown: {} values are not a number", grouped(self.not_a_number)),
         };
-        let frame = format!("{} (from: {})", self.frame, self.frame_source);
-        let mut rows = vec![
-            ("volume", self.file.clone()),
-            ("dims", format!("{nx} × {ny} × {nz} = {}", grouped((nx * ny * nz) as u64))),
-            ("spacing", format!("{} (unit: {})", vector(self.spacing), self.unit)),
-            ("frame", frame),
-        ];
+        let frame = format!("{} (from: {})", self.lattice.frame, self.frame_source);
+        let mut rows = vec![("volume", self.file.clone())];
+        rows.extend(lattice_in_words(&self.lattice));
+        rows.push(("frame", frame));
         if let Some(orientation) = &self.orientation {
             rows.push(("orientation", format!("{orientation} (x, y, z grow towards)")));
         }
-        rows.extend(self.affine.iter().enumerate().map(|(r, row)| {
+        rows.extend(self.lattice.affine.iter().enumerate().map(|(r, row)| {
             let cells: Vec<String> = row.iter().map(|x| format!("{:>12}", number(*x))).collect();
             (["affine", "", ""][r], cells.concat())
         }));
@@ -287,72 +246,4 @@ impl Label {
         let frame = self.frame.map_or(String::new(), |frame| format!(", frame {frame}"));
         format!("{}{name} ({}{frame})", self.label, grouped(self.voxels))
     }
-}
-
-#[derive(Serialize)]
-struct MeshInfo {
-    kind: &'static str,
-    file: String,
-    vertices: usize,
-    triangles: usize,
-    /// Whether every vertex has a normal.
-    normals: bool,
-    /// Smallest and largest corner; null without vertices.
-    bounds: Option<[[f64; 3]; 2]>,
-    /// Whether every edge has two triangles that run through it in opposite directions.
-    closed: bool,
-    components: usize,
-    /// Euler characteristic of each component.
-    euler: Vec<i64>,
-    /// Null unless closed.
-    volume: Option<f64>,
-    area: f64,
-}
-
-impl MeshInfo {
-    fn new(path: &Path, mesh: &TriMesh) -> Result<Self, Failure> {
-        let structure = structure(mesh)
-            .map_err(|error| Failure::Undone(format!("{}: {error}", path.display())))?;
-        Ok(Self {
-            kind: "mesh",
-            file: name(path),
-            vertices: mesh.vertices.len(),
-            triangles: mesh.triangles.len(),
-            normals: !mesh.normals.is_empty(),
-            bounds: bounds(mesh.vertices.iter().copied()),
-            closed: structure.is_closed(),
-            components: structure.components.len(),
-            euler: structure.components.iter().map(|component| component.euler).collect(),
-            volume: structure.is_closed().then_some(structure.volume),
-            area: structure.area,
-        })
-    }
-
-    fn in_words(&self) -> String {
-        let bounds = match self.bounds {
-            Some([low, high]) => format!("{} to {}", vector(low), vector(high)),
-            None => "none".into(),
-        };
-        let normals = if self.normals { "with normals" } else { "without normals" };
-        let euler: i64 = self.euler.iter().sum();
-        let volume = self.volume.map_or("unknown: it is not closed".into(), number);
-        table(&[
-            ("mesh", self.file.clone()),
-            ("vertices", format!("{}, {normals}", grouped(self.vertices as u64))),
-            ("triangles", grouped(self.triangles as u64)),
-            ("bounds", bounds),
-            ("closed", if self.closed { "yes" } else { "no" }.into()),
-            ("parts", format!("{}, Euler characteristic {euler}", self.components)),
-            ("volume", volume),
-            ("area", number(self.area)),
-        ])
-    }
-}
-
-pub(super) fn vector(v: [f64; 3]) -> String {
-    format!("({})", v.map(number).join(", "))
-}
-
-pub(super) fn table(rows: &[(&str, String)]) -> String {
-    rows.iter().map(|(key, value)| format!("{key:<13}{value}")).collect::<Vec<_>>().join("\n")
 }
