@@ -37,6 +37,7 @@ pub mod check;
 pub mod voxelize;
 mod pipeline;
 pub mod polygon;
+pub mod containment;
 
 pub use error::Error;
 pub use grid::Grid;

@@ -1,0 +1,217 @@
+//! Annuli where sound bends or the floor is not level: rays traced from the array.
+//!
+//! The horizon around the array is divided into sectors, at most one horizontal spacing wide where
+//! they are widest, and into steps of one such spacing outwards. In the vertical plane at each
+//! border of a sector a bundle of rays leaves the array at the angles of the contact. Between two neighbouring rays
+//! of a bundle and their like in the next plane lies a beam; in each step it is taken to fill all depths
+//! between the least and the greatest that one of the four rays passes. So an annulus is too large by up to
+//! about a voxel, and it is not too small where depths change from ray to ray in one direction.
+//!
+//! Planes are independent of each other: of a floor that slopes across a plane only the depth counts.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::ops::Range;
+
+use crate::containment::contact::{Heard, Path};
+use crate::containment::ray::Section;
+use crate::containment::sea::Sea;
+use crate::containment::stretches::{Column, Stretches};
+use crate::parallel;
+use crate::vector::{dot, subtract};
+
+/// Sectors that a thread takes at a time.
+const SECTORS: usize = 8;
+/// Most sectors around the array.
+const MOST_SECTORS: f64 = 16384.0;
+/// Most rays of a bundle above the horizon, and below it.
+const MOST_RAYS: f64 = 400.0;
+/// The steepest rays, this much less than a right angle.
+const ZENITH: f64 = 1e-4;
+/// A range that holds nothing.
+const NOTHING: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+
+/// The depths from which a contact can come, by sector and step.
+pub(super) struct Fan {
+    axis: [f64; 2],
+    position: [f64; 2],
+    step: f64,
+    sectors: Vec<Sector>,
+}
+
+/// The stretches of depth of one sector, step after step.
+#[derive(Debug, Clone, Default)]
+struct Sector {
+    /// Where in the list those of each step end.
+    ends: Vec<usize>,
+    stretches: Vec<[f64; 2]>,
+}
+
+/// The rays of a vertical plane.
+struct Plane {
+    /// For every ray the depths it passes in each step.
+    reach: Vec<[f64; 2]>,
+    /// Whether the contact can come from this plane.
+    is_heard: bool,
+}
+
+/// What all planes share.
+struct Tracer<'a> {
+    heard: &'a Heard,
+    sea: &'a Sea,
+    step: f64,
+    steps: usize,
+    /// Angle of a sector.
+    width: f64,
+}
+
+impl Fan {
+    /// The rays of a contact as far as columns within `area` need them, of which the smallest and the largest x
+    /// and y are given.
+    pub(super) fn new(heard: &Heard, sea: &Sea, area: [[f64; 2]; 2]) -> Self {
+        let corners = area.map(|corner| subtract(corner, heard.array.position));
+        let farthest = [0, 1].map(|d| corners[0][d].abs().max(corners[1][d].abs()));
+        let step = sea.horizontal_spacing();
+        let far = farthest[0].hypot(farthest[1]).min(heard.range[1]);
+        let half = (PI * far / step).ceil().clamp(8.0, MOST_SECTORS / 2.0) as usize;
+        let count = 2 * half;
+        let mut fan = Self {
+            axis: heard.array.axis,
+            position: heard.array.position,
+            step,
+            sectors: vec![Sector::default(); count],
+        };
+        let steps = (far / step) as usize + 1;
+        let tracer = Tracer { heard, sea, step, steps, width: 2.0 * PI / count as f64 };
+        let needed = fan.sectors_of(&Column { area });
+        let found = parallel::blocks(needed.len(), SECTORS, |block| {
+            tracer.sectors(needed.start + block.start..needed.start + block.end)
+        });
+        for (n, sector) in needed.zip(found.into_iter().flatten()) {
+            fan.sectors[n % count] = sector;
+        }
+        fan
+    }
+
+    /// Adds the depths of a column from which the contact can come.
+    pub(super) fn hear(&self, column: &Column, found: &mut Stretches) {
+        let [least, most] =
+            column.squares(self.position).map(|square| (square.sqrt() / self.step) as usize);
+        for sector in self.sectors_of(column) {
+            let sector = &self.sectors[sector % self.sectors.len()];
+            for step in least..=most {
+                found.extend(sector.at(step));
+            }
+        }
+    }
+
+    /// The sectors that a column reaches into, modulo their number.
+    fn sectors_of(&self, column: &Column) -> Range<usize> {
+        let count = self.sectors.len();
+        let [low, high] = column.area.map(|corner| subtract(corner, self.position));
+        if (0..2).all(|d| low[d] <= 0.0 && high[d] >= 0.0) {
+            return 0..count;
+        }
+        let across = [-self.axis[1], self.axis[0]];
+        let angle = |corner: [f64; 2]| dot(corner, across).atan2(dot(corner, self.axis));
+        let middle = angle([0, 1].map(|d| (low[d] + high[d]) / 2.0));
+        let turns = [low, [high[0], low[1]], [low[0], high[1]], high].map(|corner| {
+            let turn = angle(corner) - middle;
+            turn - 2.0 * PI * (turn / (2.0 * PI)).round()
+        });
+        // Seen from outside a rectangle covers less than half of the horizon.
+        let sector = |turn: f64| ((middle + turn + 3.0 * PI) / (2.0 * PI) * count as f64) as usize;
+        let first = sector(turns.into_iter().fold(0.0, f64::min));
+        first..sector(turns.into_iter().fold(0.0, f64::max)) + 1
+    }
+}
+
+impl Sector {
+    fn at(&self, step: usize) -> &[[f64; 2]] {
+        let Some(&end) = self.ends.get(step) else { return &[] };
+        let start = if step > 0 { self.ends[step - 1] } else { 0 };
+        &self.stretches[start..end]
+    }
+}
+
+impl Tracer<'_> {
+    /// Some sectors beside each other.
+    fn sectors(&self, range: Range<usize>) -> Vec<Sector> {
+        let spread = range.clone().chain([range.end]).map(|n| {
+            let ([near, steep], _) = self.angles(n);
+            steep - near
+        });
+        let spacing = self.sea.grid().spacing()[2].min(self.step);
+        let far = self.steps as f64 * self.step;
+        let wanted = spread.fold(0.0, f64::max) * far / spacing;
+        let rays = wanted.ceil().clamp(2.0, MOST_RAYS) as usize + 1;
+        let mut left = self.plane(range.start, rays);
+        let beside = range.map(|n| {
+            let right = self.plane(n + 1, rays);
+            let sector = self.between(&left, &right);
+            left = right;
+            sector
+        });
+        beside.collect()
+    }
+
+    /// The least and the greatest angle to the horizon of the directions in plane `n` that agree with the
+    /// bearing, and whether there are any.
+    fn angles(&self, n: usize) -> ([f64; 2], bool) {
+        let along = (self.width * n as f64 - PI).cos();
+        let [low, high] = self.heard.cosines;
+        // Along the axis lies the cosine of the angle to the horizon, times this.
+        let cosines = match along {
+            _ if along > 1e-12 => [low / along, high / along],
+            _ if along < -1e-12 => [high / along, low / along],
+            _ if low <= 0.0 && high >= 0.0 => [0.0, 1.0],
+            _ => [2.0, 2.0],
+        };
+        let angle = |cosine: f64| cosine.clamp(0.0, 1.0).acos().min(FRAC_PI_2 - ZENITH);
+        ([angle(cosines[1]), angle(cosines[0])], cosines[0] <= 1.0 && cosines[1] >= 0.0)
+    }
+
+    /// Traces the rays of plane `n`: so many below the horizon, then as many above it.
+    fn plane(&self, n: usize, rays: usize) -> Plane {
+        let Heard { array, path, .. } = *self.heard;
+        let ([near, steep], is_heard) = self.angles(n);
+        let mut reach = vec![NOTHING; 2 * rays * self.steps];
+        let (sin, cos) = (self.width * n as f64 - PI).sin_cos();
+        let [x, y] = array.axis;
+        let ahead = [x * cos - y * sin, x * sin + y * cos];
+        let floor = self.sea.floor();
+        let section = Section::new(self.step, self.steps, |r| {
+            floor.depth([0, 1].map(|d| array.position[d] + r * ahead[d]))
+        });
+        // Straight rays that go up never come to the floor.
+        let upwards = path != Path::Bounce || !self.sea.sound().is_constant();
+        let count = if upwards { 2 * rays } else { rays };
+        for (m, reach) in reach.chunks_exact_mut(self.steps).take(count).enumerate() {
+            let angle = near + (steep - near) * (m % rays) as f64 / (rays - 1) as f64;
+            let sine = if m < rays { angle.sin() } else { -angle.sin() };
+            section.trace(self.sea.sound(), array.depth, sine, path, reach);
+        }
+        Plane { reach, is_heard }
+    }
+
+    /// The sector between two planes.
+    fn between(&self, left: &Plane, right: &Plane) -> Sector {
+        let mut sector = Sector::default();
+        if !left.is_heard && !right.is_heard {
+            return sector;
+        }
+        let steps = self.steps;
+        let rays = left.reach.len() / steps / 2;
+        let mut found = Stretches::default();
+        for step in 0..steps {
+            found.clear();
+            for ray in (0..2 * rays - 1).filter(|ray| ray % rays < rays - 1) {
+                let places = [ray, ray + 1].map(|ray| ray * steps + step);
+                let ranges = places.into_iter().flat_map(|at| [left.reach[at], right.reach[at]]);
+                found.add(ranges.fold(NOTHING, |[a, b], [c, d]| [a.min(c), b.max(d)]));
+            }
+            sector.stretches.extend_from_slice(found.merged());
+            sector.ends.push(sector.stretches.len());
+        }
+        sector
+    }
+}

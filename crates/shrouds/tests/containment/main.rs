@@ -1,0 +1,7 @@
+//! Regions that contain a target: against formulas, and against a target that is simulated by other means.
+
+mod formulas;
+mod generator;
+mod steps;
+mod targets;
+mod tracer;
