@@ -58,8 +58,12 @@ impl View {
         if let Some(colour) = self.colour {
             scene = scene.colours(Colours::One(colour));
         }
-        let scene = lines.iter().fold(scene, Scene::lines);
-        Ok(Picture::draw(&scene, &self.camera, &self.style)?)
+        self.draw_scene(&lines.iter().fold(scene, Scene::lines))
+    }
+
+    /// Draws a scene in colours of its own.
+    pub(crate) fn draw_scene(&self, scene: &Scene) -> Result<Picture, Failure> {
+        Ok(Picture::draw(scene, &self.camera, &self.style)?)
     }
 }
 

@@ -9,6 +9,7 @@ mod bad_calls;
 mod bad_input;
 mod check;
 mod compare;
+mod contain;
 mod edit;
 mod labels;
 mod lines;

@@ -5,7 +5,8 @@
 //! border of a sector a bundle of rays leaves the array at the angles of the contact. Between two neighbouring rays
 //! of a bundle and their like in the next plane lies a beam; in each step it is taken to fill all depths
 //! between the least and the greatest that one of the four rays passes. So an annulus is too large by up to
-//! about a voxel, and it is not too small where depths change from ray to ray in one direction.
+//! about a voxel, and it is not too small where depths change from ray to ray in one direction. Sectors, steps
+//! and rays depend on the contact and the sea alone, not on the region.
 //!
 //! Planes are independent of each other: of a floor that slopes across a plane only the depth counts.
 
@@ -19,12 +20,14 @@ use crate::containment::stretches::{Column, Stretches};
 use crate::parallel;
 use crate::vector::{dot, subtract};
 
-/// Sectors that a thread takes at a time.
+/// Sectors beside each other whose planes have equally many rays.
 const SECTORS: usize = 8;
 /// Most sectors around the array.
-const MOST_SECTORS: f64 = 16384.0;
+const MOST_SECTORS: usize = 16384;
 /// Most rays of a bundle above the horizon, and below it.
 const MOST_RAYS: f64 = 400.0;
+/// Most steps of all rays of a bundle, which bounds memory.
+const MOST_PASSES: f64 = 4e6;
 /// The steepest rays, this much less than a right angle.
 const ZENITH: f64 = 1e-4;
 /// A range that holds nothing.
@@ -60,6 +63,8 @@ struct Tracer<'a> {
     sea: &'a Sea,
     step: f64,
     steps: usize,
+    /// Horizontal distance to the farthest place of the sea.
+    farthest: f64,
     /// Angle of a sector.
     width: f64,
 }
@@ -68,25 +73,28 @@ impl Fan {
     /// The rays of a contact as far as columns within `area` need them, of which the smallest and the largest x
     /// and y are given.
     pub(super) fn new(heard: &Heard, sea: &Sea, area: [[f64; 2]; 2]) -> Self {
-        let corners = area.map(|corner| subtract(corner, heard.array.position));
-        let farthest = [0, 1].map(|d| corners[0][d].abs().max(corners[1][d].abs()));
-        let step = sea.horizontal_spacing();
-        let far = farthest[0].hypot(farthest[1]).min(heard.range[1]);
-        let half = (PI * far / step).ceil().clamp(8.0, MOST_SECTORS / 2.0) as usize;
-        let count = 2 * half;
+        let far = |area: [[f64; 2]; 2]| {
+            let [_, square] = Column { area }.squares(heard.array.position);
+            square.sqrt().min(heard.range[1])
+        };
+        let (step, farthest) = (sea.horizontal_spacing(), far(sea.area()));
+        let blocks = 2.0 * PI * farthest / step / SECTORS as f64;
+        let count = SECTORS * (blocks.ceil() as usize).clamp(2, MOST_SECTORS / SECTORS);
         let mut fan = Self {
             axis: heard.array.axis,
             position: heard.array.position,
             step,
             sectors: vec![Sector::default(); count],
         };
-        let steps = (far / step) as usize + 1;
-        let tracer = Tracer { heard, sea, step, steps, width: 2.0 * PI / count as f64 };
+        let steps = (far(area) / step) as usize + 1;
+        let tracer = Tracer { heard, sea, step, steps, farthest, width: 2.0 * PI / count as f64 };
         let needed = fan.sectors_of(&Column { area });
-        let found = parallel::blocks(needed.len(), SECTORS, |block| {
-            tracer.sectors(needed.start + block.start..needed.start + block.end)
+        let needed = needed.start / SECTORS..needed.end.div_ceil(SECTORS);
+        let found = parallel::blocks(needed.len(), 1, |block| {
+            let first = (needed.start + block.start) * SECTORS;
+            tracer.sectors(first..first + SECTORS)
         });
-        for (n, sector) in needed.zip(found.into_iter().flatten()) {
+        for (n, sector) in (needed.start * SECTORS..).zip(found.into_iter().flatten()) {
             fan.sectors[n % count] = sector;
         }
         fan
@@ -141,9 +149,9 @@ impl Tracer<'_> {
             steep - near
         });
         let spacing = self.sea.grid().spacing()[2].min(self.step);
-        let far = self.steps as f64 * self.step;
-        let wanted = spread.fold(0.0, f64::max) * far / spacing;
-        let rays = wanted.ceil().clamp(2.0, MOST_RAYS) as usize + 1;
+        let wanted = spread.fold(0.0, f64::max) * self.farthest / spacing;
+        let most = MOST_RAYS.min((MOST_PASSES * self.step / self.farthest).ceil());
+        let rays = wanted.ceil().min(most).max(2.0) as usize + 1;
         let mut left = self.plane(range.start, rays);
         let beside = range.map(|n| {
             let right = self.plane(n + 1, rays);

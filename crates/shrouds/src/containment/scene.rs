@@ -21,7 +21,7 @@ impl Scene {
     /// # Errors
     /// [`Error::Scene`] when the speed is negative or not finite; when contacts do not follow each other in
     /// time, lie beyond the track's times or have a bearing, half width or range that means nothing; when
-    /// the array is not in the water at a contact.
+    /// the array is not in the water at a contact, or farther from the lattice than that is wide.
     pub fn new(
         sea: Sea,
         track: Track,
@@ -84,6 +84,9 @@ impl Scene {
         let Some(array) = self.array(n) else {
             return Some(format!("the platform has no position at {time} s: give it a waypoint"));
         };
+        if !self.sea.is_near(array.position) {
+            return Some(format!("at {time} s the array is too far away from the sea's lattice"));
+        }
         let floor = self.sea.floor().depth(array.position);
         let in_water = array.depth >= 0.0 && array.depth < floor;
         (!in_water).then(|| {

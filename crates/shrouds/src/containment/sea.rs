@@ -21,7 +21,7 @@ impl Sea {
     ///
     /// # Errors
     /// [`Error::Scene`] when the lattice does not lie along the axes of the world, or the floor has numbers that
-    /// are not finite.
+    /// are not finite; [`Error::Memory`] when the lattice is too large for memory.
     pub fn new(grid: Grid, floor: Floor, sound: SoundSpeed) -> Result<Self, Error> {
         let affine = grid.affine();
         if (0..9).any(|n| n / 3 != n % 3 && affine[n / 3][n % 3] != 0.0)
@@ -31,6 +31,7 @@ impl Sea {
             return Err(Error::Scene { part: "the lattice of the sea".into(), problem });
         }
         floor.check()?;
+        Occupancy::check_memory(&grid)?;
         Ok(Self { grid, floor, sound })
     }
 
@@ -59,6 +60,20 @@ impl Sea {
     /// Whether rays are straight and the floor is level, at this depth.
     pub(super) fn plain(&self) -> Option<f64> {
         self.floor.level().filter(|_| self.sound.is_constant())
+    }
+
+    /// Smallest and largest x and y of the lattice's cells.
+    pub(super) fn area(&self) -> [[f64; 2]; 2] {
+        Columns::all(&self.grid, Membership::Cell).area()
+    }
+
+    /// Whether a place lies in the lattice's rectangle, or no farther from it than it is wide.
+    pub(super) fn is_near(&self, place: [f64; 2]) -> bool {
+        let [low, high] = self.area();
+        (0..2).all(|d| {
+            let width = high[d] - low[d];
+            (low[d] - width..=high[d] + width).contains(&place[d])
+        })
     }
 
     /// The smaller distance between lattice points along x and y.

@@ -60,7 +60,7 @@ fn membership(cells: bool) -> Membership {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(40))]
+    #![proptest_config(ProptestConfig::with_cases(24))]
 
     #[test]
     fn no_intersection_makes_a_region_grow(seed: u64, speed in 0.0..4.0, cells: bool) {
@@ -120,7 +120,8 @@ fn a_contradiction_empties_the_region_and_ends_the_steps() {
     let second = Contact { time: 1.0, bearing: 160.0, ..first };
     let contacts = vec![first, second, Contact { time: 2.0, ..first }];
     let scene = Scene::new(scene.sea().clone(), scene.track().clone(), contacts, 1.0).unwrap();
-    let steps = steps(&scene, Membership::Cell);
+    // The cells around the array are heard at every bearing; the points are not.
+    let steps = steps(&scene, Membership::Centre);
     assert_eq!(steps.iter().map(Step::is_empty).collect::<Vec<_>>(), [false, true]);
     assert_eq!(steps[1].contact, 1);
     assert_eq!(Extent::of(&steps[1].region), None);
@@ -144,7 +145,7 @@ fn a_shroud_of_the_enclosing_volume_contains_every_cell() {
         let mut affine = grid.affine();
         affine.iter_mut().for_each(|row| row[3] -= 0.5 * (row[0] + row[1] + row[2]));
         let corners = shrouds::Grid::with_affine([nx + 1, ny + 1, nz + 1], affine).unwrap();
-        let within = voxelize(&surface.mesh, &corners, Rule::NonZero).unwrap().0;
+        let within = voxelize(&surface.mesh, &corners, Rule::NonZero).unwrap().volume;
         for n in 0..grid.point_count() {
             let [i, j, k] = [n % nx, n / nx % ny, n / nx / ny];
             let all = (0..8).all(|c| within.get([i + c % 2, j + c / 2 % 2, k + c / 4]));

@@ -4,7 +4,7 @@
 use shrouds::containment::{Array, Path, Sea};
 
 /// Length of a step in metres, about.
-const STEP: f64 = 12.0;
+const STEP: f64 = 25.0;
 
 /// All angles between the axis of an array and the rays that arrive from a point `[x, y, z]` so, in degrees.
 pub(crate) fn angles(sea: &Sea, array: &Array, point: [f64; 3], path: Path) -> Vec<f64> {
@@ -13,7 +13,7 @@ pub(crate) fn angles(sea: &Sea, array: &Array, point: [f64; 3], path: Path) -> V
     let ahead = to.map(|x| x / distance);
     let plane = Plane { sea, array, ahead, distance };
     let cosine = ahead[0] * array.axis[0] + ahead[1] * array.axis[1];
-    let count = 900;
+    let count = 360;
     let launch = |n: f64| (n / f64::from(count) * 178.0 - 89.0).to_radians();
     let miss = |n: f64| plane.end(launch(n), path).map(|depth| depth + point[2]);
     let mut found = Vec::new();
