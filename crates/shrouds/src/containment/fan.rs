@@ -51,7 +51,7 @@ struct Sector {
 
 /// The rays of a vertical plane.
 struct Plane {
-    /// For every ray the depths it passes in each step.
+    /// For every step the depths that each ray passes in it.
     reach: Vec<[f64; 2]>,
     /// Whether the contact can come from this plane.
     is_heard: bool,
@@ -65,6 +65,8 @@ struct Tracer<'a> {
     steps: usize,
     /// Horizontal distance to the farthest place of the sea.
     farthest: f64,
+    /// How far rays are apart there.
+    spacing: f64,
     /// Angle of a sector.
     width: f64,
 }
@@ -87,7 +89,9 @@ impl Fan {
             sectors: vec![Sector::default(); count],
         };
         let steps = (far(area) / step) as usize + 1;
-        let tracer = Tracer { heard, sea, step, steps, farthest, width: 2.0 * PI / count as f64 };
+        let spacing = sea.grid().spacing()[2].min(step);
+        let width = 2.0 * PI / count as f64;
+        let tracer = Tracer { heard, sea, step, steps, farthest, spacing, width };
         let needed = fan.sectors_of(&Column { area });
         let needed = needed.start / SECTORS..needed.end.div_ceil(SECTORS);
         let found = parallel::blocks(needed.len(), 1, |block| {
@@ -148,8 +152,7 @@ impl Tracer<'_> {
             let ([near, steep], _) = self.angles(n);
             steep - near
         });
-        let spacing = self.sea.grid().spacing()[2].min(self.step);
-        let wanted = spread.fold(0.0, f64::max) * self.farthest / spacing;
+        let wanted = spread.fold(0.0, f64::max) * self.farthest / self.spacing;
         let most = MOST_RAYS.min((MOST_PASSES * self.step / self.farthest).ceil());
         let rays = wanted.ceil().min(most).max(2.0) as usize + 1;
         let mut left = self.plane(range.start, rays);
@@ -193,12 +196,24 @@ impl Tracer<'_> {
         // Straight rays that go up never come to the floor.
         let upwards = path != Path::Bounce || !self.sea.sound().is_constant();
         let count = if upwards { 2 * rays } else { rays };
-        for (m, reach) in reach.chunks_exact_mut(self.steps).take(count).enumerate() {
+        for m in 0..count {
             let angle = near + (steep - near) * (m % rays) as f64 / (rays - 1) as f64;
             let sine = if m < rays { angle.sin() } else { -angle.sin() };
+            let reach = reach[m..].iter_mut().step_by(2 * rays);
             section.trace(self.sea.sound(), array.depth, sine, path, reach);
         }
         Plane { reach, is_heard }
+    }
+
+    /// The depths of a beam between the rays that pass these. Where one of them has ended or not begun, rays between
+    /// them may pass beyond the others, but no farther than rays are apart.
+    fn beam<'r>(&self, rays: impl Iterator<Item = &'r [f64; 2]>) -> [f64; 2] {
+        let (mut all, mut more) = (NOTHING, 0.0);
+        for [least, most] in rays {
+            all = [all[0].min(*least), all[1].max(*most)];
+            more = if least > most { self.spacing } else { more };
+        }
+        [all[0] - more, all[1] + more]
     }
 
     /// The sector between two planes.
@@ -207,15 +222,17 @@ impl Tracer<'_> {
         if !left.is_heard && !right.is_heard {
             return sector;
         }
-        let steps = self.steps;
-        let rays = left.reach.len() / steps / 2;
+        let rays = left.reach.len() / self.steps / 2;
         let mut found = Stretches::default();
-        for step in 0..steps {
+        let steps = left.reach.chunks_exact(2 * rays).zip(right.reach.chunks_exact(2 * rays));
+        for (left, right) in steps {
             found.clear();
-            for ray in (0..2 * rays - 1).filter(|ray| ray % rays < rays - 1) {
-                let places = [ray, ray + 1].map(|ray| ray * steps + step);
-                let ranges = places.into_iter().flat_map(|at| [left.reach[at], right.reach[at]]);
-                found.add(ranges.fold(NOTHING, |[a, b], [c, d]| [a.min(c), b.max(d)]));
+            // Beams below the horizon, then those above it.
+            for side in [0..rays, rays..2 * rays] {
+                let (left, right) = (left[side.clone()].windows(2), right[side].windows(2));
+                for (left, right) in left.zip(right) {
+                    found.add(self.beam(left.iter().chain(right)));
+                }
             }
             sector.stretches.extend_from_slice(found.merged());
             sector.ends.push(sector.stretches.len());

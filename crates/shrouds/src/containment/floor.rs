@@ -54,7 +54,7 @@ impl Floor {
         match self {
             Self::Plane { depth, slope } => depth + dot(*slope, place),
             Self::Ridge { depth, height, width, .. } => {
-                depth - height * (-(self.from_middle(place) / width).powi(2)).exp()
+                depth - height * (-(self.distance_to_middle(place) / width).powi(2)).exp()
             }
             Self::Grid(depths) => depths.at(place),
         }
@@ -69,7 +69,7 @@ impl Floor {
             Self::Plane { .. } => {}
             Self::Ridge { .. } => {
                 // Depth falls or rises with the distance from the middle, which is 0 if signs differ.
-                let sides = corners.map(|corner| self.from_middle(corner));
+                let sides = corners.map(|corner| self.distance_to_middle(corner));
                 let [first, ..] = sides;
                 if sides.iter().any(|side| side * first <= 0.0) {
                     places.extend(self.middle());
@@ -92,7 +92,7 @@ impl Floor {
     }
 
     /// The signed distance from the middle line of a ridge.
-    fn from_middle(&self, place: [f64; 2]) -> f64 {
+    fn distance_to_middle(&self, place: [f64; 2]) -> f64 {
         match self {
             Self::Ridge { through, course, .. } => {
                 let (sin, cos) = course.to_radians().sin_cos();

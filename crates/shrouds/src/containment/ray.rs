@@ -42,17 +42,17 @@ impl Section {
     /// Widens `reach`, one range of depths for each step, by what a ray passes that leaves the array at `depth`
     /// with this sine of the angle below the horizon, on the legs that count for `path`. The ray ends at the
     /// surface, and at the floor where it may not or has bounced.
-    pub(super) fn trace(
+    pub(super) fn trace<'r>(
         &self,
         sound: &SoundSpeed,
         depth: f64,
         sine: f64,
         path: Path,
-        reach: &mut [[f64; 2]],
+        reach: impl Iterator<Item = &'r mut [f64; 2]>,
     ) {
         let mut ray = Ray::new(sound, depth, sine);
         let mut bounced = false;
-        for (n, reach) in reach.iter_mut().enumerate() {
+        for (n, reach) in reach.enumerate() {
             let (from, start) = (ray.depth, ray.sine);
             let mut seen = ray.advance(self.step);
             if let Some((share, hit)) = self.hit(n, from, ray.depth) {
@@ -228,7 +228,7 @@ mod tests {
         let section = Section::new(10.0, 400, |r| 1000.0 + 0.1 * r);
         let mut reach = vec![[f64::INFINITY, f64::NEG_INFINITY]; 400];
         let angle = 0.7f64;
-        section.trace(&sound, 100.0, angle.sin(), Path::Bounce, &mut reach);
+        section.trace(&sound, 100.0, angle.sin(), Path::Bounce, reach.iter_mut());
         // 900 + 0.1 r = r tan(angle), then up at angle − 2 atan(0.1).
         let at = 900.0 / (angle.tan() - 0.1);
         let up = (angle - 2.0 * 0.1f64.atan()).tan();

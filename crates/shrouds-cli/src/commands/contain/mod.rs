@@ -21,14 +21,12 @@ use crate::progress::Progress;
 use crate::settings::Job;
 use crate::work;
 
-use file::Told;
 use picture::Painter;
 use report::{Report, ShroudReport, StepReport, Written};
 
 /// What the steps share.
 struct Work<'a> {
     args: &'a ContainArgs,
-    told: &'a Told,
     job: &'a Job,
     painter: Painter,
     progress: Progress,
@@ -41,8 +39,7 @@ pub(crate) fn run(args: &ContainArgs, console: Console) -> Result<(), Failure> {
     job.warn(console);
     let report_file = prepare(args)?;
     let painter = Painter::new(&told, &args.view);
-    let work =
-        Work { args, told: &told, job: &job, painter, progress: Progress::new(console.quiet) };
+    let work = Work { args, job: &job, painter, progress: Progress::new(console.quiet) };
     let mut report = Report::new(args, &told, &job);
     let membership = if args.one_sided { Membership::Cell } else { Membership::Centre };
     let count = told.scene.contacts().len();
