@@ -155,8 +155,8 @@ fn what_is_wrong_with_a_scene_is_told_with_its_line() {
     for (from, to, parts) in [
         ("half_width = 12", "width = 12", &["line 31", "`width`", "half_width"][..]),
         ("bearing = 62", "bearing = \"N\"", &["line 25, key bearing", "expected f64"]),
-        ("bearing = 62", "bearing = 262", &["line 22", "contact 1", "between 0 and 180"]),
-        ("time = 60\n", "time = 6000\n", &["line 27", "contact 2", "6000 s"]),
+        ("bearing = 62", "bearing = 262", &["line 23", "contact 1", "between 0 and 180"]),
+        ("time = 60\n", "time = 6000\n", &["line 28", "contact 2", "6000 s"]),
         ("time = 600", "time = -5", &["line 18", "waypoint 2", "ascend"]),
         ("spacing = [100, 90, 110]", "spacing = 0", &["line 1:", "spacing"]),
         ("spacing = [100, 90, 110]", "spacing = 1e-5", &["line 1:", "1048574"]),

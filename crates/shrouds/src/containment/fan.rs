@@ -5,7 +5,7 @@
 //! border of a sector a bundle of rays leaves the array at the angles of the contact. Between two neighbouring rays
 //! of a bundle and their like in the next plane lies a beam; in each step it is taken to fill all depths
 //! between the least and the greatest that one of the four rays passes. So an annulus is too large by up to
-//! about a voxel, and it is not too small where depths change from ray to ray in one direction. Sectors, steps
+//! about a spacing, and it is not too small where depths change from ray to ray in one direction. Sectors, steps
 //! and rays depend on the contact and the sea alone, not on the region.
 //!
 //! Planes are independent of each other: of a floor that slopes across a plane only the depth counts.
@@ -65,8 +65,6 @@ struct Tracer<'a> {
     steps: usize,
     /// Horizontal distance to the farthest place of the sea.
     farthest: f64,
-    /// How far rays are apart there.
-    spacing: f64,
     /// Angle of a sector.
     width: f64,
 }
@@ -89,9 +87,8 @@ impl Fan {
             sectors: vec![Sector::default(); count],
         };
         let steps = (far(area) / step) as usize + 1;
-        let spacing = sea.grid().spacing()[2].min(step);
         let width = 2.0 * PI / count as f64;
-        let tracer = Tracer { heard, sea, step, steps, farthest, spacing, width };
+        let tracer = Tracer { heard, sea, step, steps, farthest, width };
         let needed = fan.sectors_of(&Column { area });
         let needed = needed.start / SECTORS..needed.end.div_ceil(SECTORS);
         let found = parallel::blocks(needed.len(), 1, |block| {
@@ -152,7 +149,7 @@ impl Tracer<'_> {
             let ([near, steep], _) = self.angles(n);
             steep - near
         });
-        let wanted = spread.fold(0.0, f64::max) * self.farthest / self.spacing;
+        let wanted = spread.fold(0.0, f64::max) * self.farthest / self.step;
         let most = MOST_RAYS.min((MOST_PASSES * self.step / self.farthest).ceil());
         let rays = wanted.ceil().min(most).max(2.0) as usize + 1;
         let mut left = self.plane(range.start, rays);
@@ -205,13 +202,15 @@ impl Tracer<'_> {
         Plane { reach, is_heard }
     }
 
-    /// The depths of a beam between the rays that pass these. Where one of them has ended or not begun, rays between
+    /// The depths of a beam in a step, between the rays that pass these. Where one of them has ended or not begun, rays between
     /// them may pass beyond the others, but no farther than rays are apart.
-    fn beam<'r>(&self, rays: impl Iterator<Item = &'r [f64; 2]>) -> [f64; 2] {
+    fn beam<'r>(&self, step: usize, rays: impl Iterator<Item = &'r [f64; 2]>) -> [f64; 2] {
+        // Rays are a step apart at the farthest place.
+        let apart = (step + 1) as f64 * self.step * self.step / self.farthest;
         let (mut all, mut more) = (NOTHING, 0.0);
         for [least, most] in rays {
             all = [all[0].min(*least), all[1].max(*most)];
-            more = if least > most { self.spacing } else { more };
+            more = if least > most { apart } else { more };
         }
         [all[0] - more, all[1] + more]
     }
@@ -225,13 +224,13 @@ impl Tracer<'_> {
         let rays = left.reach.len() / self.steps / 2;
         let mut found = Stretches::default();
         let steps = left.reach.chunks_exact(2 * rays).zip(right.reach.chunks_exact(2 * rays));
-        for (left, right) in steps {
+        for (step, (left, right)) in steps.enumerate() {
             found.clear();
             // Beams below the horizon, then those above it.
             for side in [0..rays, rays..2 * rays] {
                 let (left, right) = (left[side.clone()].windows(2), right[side].windows(2));
                 for (left, right) in left.zip(right) {
-                    found.add(self.beam(left.iter().chain(right)));
+                    found.add(self.beam(step, left.iter().chain(right)));
                 }
             }
             sector.stretches.extend_from_slice(found.merged());
