@@ -36,7 +36,9 @@ fn case(random: &mut Random, n: usize) -> (Scene, f64) {
         bearing: [random.between(0.0, 180.0), 90.0, 0.0, 180.0][[0, 0, 0, 0, 1, 2, 3][n % 7]],
         half_width: random.between(1.0, 15.0),
         path: [Path::Direct, Path::Bounce, Path::Either][n % 3],
-        range: (n % 4 == 0).then(|| [random.between(0.0, 900.0), random.between(1000.0, 4000.0)]),
+        range: n
+            .is_multiple_of(4)
+            .then(|| [random.between(0.0, 900.0), random.between(1000.0, 4000.0)]),
     };
     (Scene::new(sea, track(random), vec![contact], 4.0).unwrap(), floor)
 }

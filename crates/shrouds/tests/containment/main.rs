@@ -1,5 +1,8 @@
 //! Regions that contain a target: against formulas, and against a target that is simulated by other means.
 
+// The helpers are tests too.
+#![allow(clippy::unwrap_used)]
+
 mod formulas;
 mod generator;
 mod steps;
