@@ -35,7 +35,7 @@ impl View {
         Self { camera, style: Style { width, height, margin: 0.0, ..usual.style }, ..usual }
     }
 
-    pub(crate) fn new(args: &ViewArgs) -> Self {
+    pub(crate) fn new(args: &ViewArgs, colour: Paint) -> Self {
         let projection = match args.perspective {
             Some(angle) => Projection::Perspective { angle },
             None => Projection::Orthographic,
@@ -49,7 +49,7 @@ impl View {
         };
         let shading = if args.smooth { Shading::Smooth } else { Shading::Flat };
         let style = Style { width: args.width, height: args.height, shading, ..Style::default() };
-        match args.colour {
+        match colour {
             Paint::Plain(colour) => Self { camera, style, colour: Some(colour) },
             // Less shade, so that a colour looks like that of the legend.
             Paint::Field(_) => Self {
@@ -80,6 +80,11 @@ impl View {
         };
         let scene = lines.iter().fold(scene, Scene::lines);
         Ok(figure.draw(&scene, &self.camera, &self.style)?)
+    }
+
+    /// Draws a scene in colours of its own.
+    pub(crate) fn draw_scene(&self, scene: &Scene) -> Result<Picture, Failure> {
+        Ok(Picture::draw(scene, &self.camera, &self.style)?)
     }
 }
 

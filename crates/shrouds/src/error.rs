@@ -129,6 +129,14 @@ pub enum Error {
         /// Size of the volume's bits.
         bytes: u64,
     },
+    /// A part of a containment scene makes no sense.
+    #[error("{part}: {problem}")]
+    Scene {
+        /// Which part, with its number where there are several.
+        part: String,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
     /// No phantom has this name.
     #[error("there is no phantom named {name:?}; choose one of {known}")]
     UnknownPhantom {

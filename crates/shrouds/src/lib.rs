@@ -39,6 +39,7 @@ pub mod voxelize;
 mod pipeline;
 pub mod contact;
 pub mod polygon;
+pub mod containment;
 
 pub use error::Error;
 pub use grid::Grid;

@@ -54,6 +54,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "vector",
         ],
     ),
+    ("containment", &["grid", "volume", "error", "parallel", "random", "vector"]),
     // The judge shares nothing with what it judges.
     ("check", &["grid", "volume", "mesh", "error", "parallel"]),
     // The back arrow; it asks the judge what a mesh is and where lines cross it.

@@ -1,6 +1,7 @@
 //! What can be typed on the command line. These types stay here: [`crate::settings`] turns them into
 //! those of the libraries.
 
+mod contain;
 mod lines;
 mod measure;
 mod names;
@@ -16,6 +17,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::energies;
 
+pub(crate) use contain::ContainArgs;
 pub(crate) use lines::{ContoursArgs, NetworkArgs};
 pub(crate) use measure::MeasureArgs;
 pub(crate) use names::{
@@ -119,6 +121,9 @@ pub(crate) enum Verb {
     /// Turn a packed volume back into a mesh or a volume
     #[command(after_help = pack::UNPACK_HELP)]
     Unpack(UnpackArgs),
+    /// Where a target can be, from what a towed array has heard of it, contact by contact
+    #[command(after_help = with_energies(contain::CONTAIN_HELP))]
+    Contain(ContainArgs),
 }
 
 /// The end of a help text, and the energies there are.

@@ -190,6 +190,8 @@ pub(crate) struct RenderArgs {
     pub(crate) output: PathBuf,
     #[command(flatten)]
     pub(crate) view: ViewArgs,
+    #[command(flatten)]
+    pub(crate) figure: FigureArgs,
     /// Draw the slice curves: across x red, across y white, across z blue; for volumes only,
     /// and not with --surface dual
     #[arg(long, help_heading = "Picture")]
@@ -264,6 +266,12 @@ pub(crate) struct ViewArgs {
     /// Blend the light across triangles instead of showing each one flat
     #[arg(long)]
     pub(crate) smooth: bool,
+}
+
+/// What is seen beside the shape.
+#[derive(Args)]
+#[command(next_help_heading = "Picture")]
+pub(crate) struct FigureArgs {
     /// Colour of the outer side: six hexadecimal digits; or numbers as colours, with a legend:
     /// mean-curvature, gaussian-curvature, maximum-curvature, minimum-curvature (positive where convex),
     /// or delta (place on the grid edge, 1 at its inside end; for volumes only, and not with

@@ -2,6 +2,7 @@
 
 mod check;
 mod compare;
+mod contain;
 mod contours;
 mod demo;
 mod edit;
@@ -42,5 +43,6 @@ pub(crate) fn run(cli: &Cli) -> Result<(), Failure> {
         Verb::Voxelize(args) => voxelize::run(args, console),
         Verb::Pack(args) => pack::run(args, console),
         Verb::Unpack(args) => unpack::run(args, console),
+        Verb::Contain(args) => contain::run(args, console),
     }
 }

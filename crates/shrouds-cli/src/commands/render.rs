@@ -71,8 +71,8 @@ fn check_network(args: &RenderArgs, kind: Kind) -> Result<(), Failure> {
 }
 
 fn check_colours(args: &RenderArgs, kind: Kind) -> Result<(), Failure> {
-    let message = match (args.view.colour, kind) {
-        (Paint::Plain(_), _) if args.view.range.is_some() => {
+    let message = match (args.figure.colour, kind) {
+        (Paint::Plain(_), _) if args.figure.range.is_some() => {
             "--range is that of numbers: give --colour mean-curvature, another curvature or delta"
         }
         (Paint::Field(Field::Delta), Kind::Mesh) => {
@@ -100,7 +100,7 @@ fn check_contours(args: &RenderArgs, kind: Kind) -> Result<(), Failure> {
 impl Subject {
     fn of_mesh(args: &RenderArgs, mesh: TriMesh) -> Result<Self, Failure> {
         let unit = Unit::unknown();
-        let numbers = match args.view.colour {
+        let numbers = match args.figure.colour {
             Paint::Field(field) => Some(Numbers::of_mesh(field, &mesh, &unit)?),
             Paint::Plain(_) => None,
         };
@@ -118,7 +118,7 @@ impl Subject {
         let source = input::source(&args.input, &args.volume, console, progress)?;
         let shroud = work::shroud(&source.occupancy, job, progress)?;
         let unit = Unit::of_volume(&source.frame, &source.lattice);
-        let numbers = match (args.view.colour, args.shroud.solve.surface) {
+        let numbers = match (args.figure.colour, args.shroud.solve.surface) {
             (Paint::Plain(_), _) => None,
             (Paint::Field(Field::Delta), _) => Some(Numbers::deltas(&shroud.delta)),
             (Paint::Field(field), SurfaceKind::Primal) => {
@@ -145,17 +145,17 @@ impl Subject {
         }
         let (colours, legend) = match &self.numbers {
             Some(numbers) => {
-                let (colours, legend) = numbers.coloured(args.view.range)?;
+                let (colours, legend) = numbers.coloured(args.figure.range)?;
                 (Some(colours), Some(legend))
             }
             None => (None, None),
         };
         let figure = Figure {
             legend,
-            caption: if args.view.caption { Some(self.caption(args)?) } else { None },
-            scale_bar: args.view.scale_bar.then(|| self.unit.counted()),
+            caption: if args.figure.caption { Some(self.caption(args)?) } else { None },
+            scale_bar: args.figure.scale_bar.then(|| self.unit.counted()),
         };
-        let view = View::new(&args.view);
+        let view = View::new(&args.view, args.figure.colour);
         let picture = view.draw_figure(&self.mesh, colours.as_deref(), &lines, &figure)?;
         write_picture(&args.output, &picture)
     }

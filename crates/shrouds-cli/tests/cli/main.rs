@@ -10,6 +10,7 @@ mod bad_input;
 mod certificate;
 mod check;
 mod compare;
+mod contain;
 mod edit;
 mod figures;
 mod gallery;

@@ -112,6 +112,11 @@ impl Values {
         with_values!(self, v => whole(v))
     }
 
+    /// Every value as a float.
+    pub fn to_f64(&self) -> Vec<f64> {
+        with_values!(self, v => v.iter().map(|value| value.as_f64()).collect())
+    }
+
     /// The volume of all lattice points of `grid` whose value `select` chooses.
     ///
     /// # Errors
