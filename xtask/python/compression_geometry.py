@@ -52,7 +52,8 @@ def planes(rows):
         for count in PLANES:
             line = row["planes"][count]
             kilobits = line["total_per_100k_triangles"] / 1000
-            cells.append(f"{kilobits:.3g}, {decimals(line['normal'])}")
+            errors = f"{decimals(line['normal'])} ({decimals(line['predicted'])})"
+            cells.append(f"{kilobits:.3g}, {errors}")
         lines.append([name, *cells])
     bits = [f"{count} bit{'s' if count > 1 else ''}: K bits, error" for count in PLANES]
     return table(["", "vertices", "0 bits: error, `fast` / `default` / `exact`", *bits], lines)

@@ -25,6 +25,7 @@ mod picture;
 mod phantom;
 mod progress;
 mod report;
+mod scene;
 mod selection;
 mod settings;
 mod truth;

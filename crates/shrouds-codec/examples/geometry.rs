@@ -1,4 +1,5 @@
-//! Measures bit planes: bytes, CPU time and the error of the surface they give back.
+//! Measures bit planes: bytes, CPU time and the error of the surface that is made within them, and of the
+//! places that the planes' own predictor ends at.
 //!
 //! ```sh
 //! cargo run --release -p shrouds-codec --example geometry -- [--true-surface PLY] --like VOLUME MESH
@@ -12,16 +13,17 @@
 
 use std::env;
 use std::error::Error;
+use std::ops::ControlFlow;
 
 use cpu_time::ThreadTime;
 use serde_json::json;
 use shrouds::mesh::{MeshKind, Triangles, network_normals, place_vertices};
 use shrouds::network::Network;
-use shrouds::optimize::Preset;
+use shrouds::optimize::{self, Preset, optimize};
 use shrouds::surface::Surface;
 use shrouds::volume::{Border, FaceRule};
 use shrouds::voxelize::{Rule, deltas};
-use shrouds::{Occupancy, Select, TriMesh, optimize, shroud, voxelize};
+use shrouds::{Occupancy, Select, TriMesh, shroud, voxelize};
 use shrouds_codec::{Settings, geometry, pack};
 use shrouds_io::{MeshOptions, Precision, Values, Volume, VolumeOptions};
 use shrouds_io::{read_contents, read_mesh, read_volume, write_mesh};
@@ -131,7 +133,14 @@ impl Truth {
             let start = ThreadTime::now();
             let places = geometry::decode(&self.surface, &planes.settings, &payloads[..count]);
             let decoding = start.elapsed().as_secs_f64() * 1e6 / vertices;
-            let [edge, normal] = self.errors(&places.deltas());
+            let [_, predicted] = self.errors(&places.deltas());
+            let settings = optimize::Settings {
+                preset: Preset::Exact,
+                intervals: Some(places.intervals().collect()),
+                ..Default::default()
+            };
+            let shown = optimize(&self.surface, &settings, &mut |_| ControlFlow::Continue(()))?;
+            let [edge, normal] = self.errors(&shown.delta);
             println!(
                 "{}",
                 json!({
@@ -139,6 +148,7 @@ impl Truth {
                     "total_per_100k_triangles": bits / vertices * 50_000.0,
                     "edge": edge,
                     "normal": normal,
+                    "predicted": predicted,
                     "encode_us": encoding / 8.0,
                     "decode_us": decoding / count as f64,
                 })

@@ -15,7 +15,7 @@ pub(crate) const ELEVATION: f64 = 40.0;
 
 pub(crate) const DEMO_HELP: &str = "\
 Phantoms: tori, ball, ellipsoid, box, gyroid, letters (or letters:TEXT), point, rod, plate, noise
-Figures of the paper: figure1 to figure8, or figures for all of them and a page about them
+Figures of the paper: figure1 to figure11, or figures for all of them and a page about them
 
 Example, a larger gyroid into a folder of its own, its slice curves on the picture:
   shrouds demo gyroid --size 96 --network --output gyroid

@@ -11,6 +11,7 @@ mod page;
 mod panel;
 mod plan;
 mod polygon;
+mod sonar;
 mod spindle;
 mod statue;
 mod tori;
@@ -75,7 +76,7 @@ impl Verdict {
 type Maker = fn(&Data) -> Result<Figure, Failure>;
 
 /// The figures in the order of the paper.
-pub(crate) const FIGURES: [(&str, Maker); 8] = [
+pub(crate) const FIGURES: [(&str, Maker); 11] = [
     ("figure1", polygon::figure),
     ("figure2", network::figure),
     ("figure3", tori::figure),
@@ -84,4 +85,7 @@ pub(crate) const FIGURES: [(&str, Maker); 8] = [
     ("figure6", bone::figure),
     ("figure7", spindle::figure),
     ("figure8", brain::figure),
+    ("figure9", sonar::figure_9),
+    ("figure10", sonar::figure_10),
+    ("figure11", sonar::figure_11),
 ];

@@ -1,6 +1,7 @@
 //! The panels of a figure, and the states of a shroud they show.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use shrouds::energy::{Linear, Parameter};
 use shrouds::measure::{Planes, contours};
@@ -111,6 +112,12 @@ pub(super) fn change_in_sweep(volume: &Occupancy, sweep: usize) -> Result<f64, F
 /// The best that the library has.
 pub(super) fn exact(volume: &Occupancy) -> Result<Shroud, Failure> {
     solve(volume, optimize::Settings { preset: Preset::Exact, ..Default::default() })
+}
+
+/// The same within an interval for every δ.
+pub(super) fn within(volume: &Occupancy, intervals: Arc<[[f64; 2]]>) -> Result<Shroud, Failure> {
+    let (preset, intervals) = (Preset::Exact, Some(intervals));
+    solve(volume, optimize::Settings { preset, intervals, ..Default::default() })
 }
 
 pub(super) fn midpoint(volume: &Occupancy) -> Result<Shroud, Failure> {

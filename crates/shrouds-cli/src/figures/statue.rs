@@ -1,6 +1,6 @@
 //! Figure 5: a statue on 100 × 300 × 100 points, and what a few bits for each vertex make of it.
 
-use shrouds::mesh::{MeshKind, Triangles, network_normals, place_vertices};
+use shrouds::mesh::{network_normals, place_vertices};
 use shrouds::network::Network;
 use shrouds::surface::Surface;
 use shrouds::volume::{Border, FaceRule};
@@ -9,7 +9,7 @@ use shrouds_codec::{Settings, geometry, pack};
 use shrouds_view::{Cell, Scene};
 
 use super::data::{Body, Fit};
-use super::panel::{Look, exact, midpoint, reach, row};
+use super::panel::{Look, exact, midpoint, reach, row, within};
 use super::{Claim, Data, Figure, Table, Verdict};
 use crate::failure::Failure;
 
@@ -49,9 +49,9 @@ pub(super) fn figure(data: &Data) -> Result<Figure, Failure> {
     for (count, title) in [(1, "b: 1 bit"), (2, "b: 2 bits")] {
         bytes += payloads[count - 1].0.len() as u64;
         let places = geometry::decode(&statue.surface, &planes.settings, &payloads[..count]);
-        let delta = places.deltas();
+        let shroud = within(&body.volume, places.intervals().collect())?;
         totals.push(statue.kilobits(bytes));
-        add(title, &statue.mesh(&delta), totals.last().copied(), statue.error(&delta))?;
+        add(title, &shroud.mesh, totals.last().copied(), statue.error(&shroud.delta))?;
     }
     let claims = [0, 1, 2].map(|n| claim(n, totals[n]));
     Ok(Figure {
@@ -100,7 +100,6 @@ pub(super) fn bust([x, y, z]: [f64; 3]) -> f64 {
 /// A surface with its true crossings.
 struct Statue {
     surface: Surface,
-    network: Network,
     truth: Vec<f64>,
     normals: Vec<[f32; 3]>,
     /// Bytes of the file with topology alone.
@@ -110,11 +109,11 @@ struct Statue {
 impl Statue {
     fn new(body: &Body) -> Result<Self, Failure> {
         let surface = Surface::extract(&body.volume, FaceRule::Separate, Border::Closed)?;
-        let network = Network::trace(&surface);
         let truth = body.crossings(&surface)?.unwrap_or_else(|| vec![0.5; surface.vertex_count()]);
-        let normals = network_normals(&surface, &network, &place_vertices(&surface, &truth));
+        let normals =
+            network_normals(&surface, &Network::trace(&surface), &place_vertices(&surface, &truth));
         let topology = topology(&body.volume)?;
-        Ok(Self { surface, network, truth, normals, topology })
+        Ok(Self { surface, truth, normals, topology })
     }
 
     /// Per 100 000 triangles, of which there are two for each vertex.
@@ -132,12 +131,6 @@ impl Statue {
             })
             .sum();
         Some((sum / self.truth.len() as f64).sqrt())
-    }
-
-    fn mesh(&self, delta: &[f64]) -> TriMesh {
-        let vertices = place_vertices(&self.surface, delta);
-        let normals = network_normals(&self.surface, &self.network, &vertices);
-        TriMesh::span(&self.surface, vertices, normals, MeshKind::Primal, Triangles::Fitted)
     }
 }
 

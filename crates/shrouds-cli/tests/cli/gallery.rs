@@ -63,3 +63,11 @@ fn thin_tubes_stay_in_one_part() {
     let figure = figure(&folder, "demo figure7 -o out --json");
     assert_eq!(figure["rows"][0][2], "1", "{figure}");
 }
+
+#[test]
+fn no_intersection_makes_the_region_of_figure_11_larger() {
+    let folder = Folder::new();
+    let figure = figure(&folder, "demo figure11 -o out --json");
+    assert_eq!(figure["claims"][0]["verdict"], "holds", "{figure}");
+    assert_eq!(figure["rows"].as_array().unwrap().len(), 9);
+}

@@ -1,9 +1,6 @@
 //! `shrouds contain`: where a target can be, contact by contact.
 
-mod file;
-mod picture;
 mod report;
-mod tables;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,16 +9,17 @@ use std::time::Instant;
 use shrouds::containment::{Membership, Step};
 use shrouds_io::{Frame, Part, mesh_format, write_meshes, write_volume};
 
-use crate::args::{ContainArgs, FrameChoice};
+use crate::args::{ContainArgs, FrameChoice, Paint};
 use crate::console::{Console, print_json};
 use crate::failure::Failure;
 use crate::frame::mesh_options;
 use crate::output::{check_targets, write_json, write_picture};
+use crate::picture::View;
 use crate::progress::Progress;
+use crate::scene::{self, Painter};
 use crate::settings::Job;
 use crate::work;
 
-use picture::Painter;
 use report::{Report, ShroudReport, StepReport, Written};
 
 /// What the steps share.
@@ -35,10 +33,11 @@ struct Work<'a> {
 pub(crate) fn run(args: &ContainArgs, console: Console) -> Result<(), Failure> {
     let start = Instant::now();
     let job = Job::new(&args.shroud, FrameChoice::World)?;
-    let told = file::read(&args.scene)?;
+    let told = scene::read(&args.scene)?;
     job.warn(console);
     let report_file = prepare(args)?;
-    let painter = Painter::new(&told, &args.view, args.colour);
+    let painter =
+        Painter::new(&told, View::new(&args.view, Paint::Plain(args.colour)), args.colour);
     let work = Work { args, job: &job, painter, progress: Progress::new(console.quiet) };
     let mut report = Report::new(args, &told, &job);
     let membership = if args.one_sided { Membership::Cell } else { Membership::Centre };

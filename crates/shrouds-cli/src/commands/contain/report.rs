@@ -7,11 +7,11 @@ use shrouds::Shroud;
 use shrouds::check::CheckReport;
 use shrouds::containment::{self, Extent, Step};
 
-use super::file::Told;
 use crate::args::ContainArgs;
 use crate::console::{grouped, number};
 use crate::failure::Failure;
 use crate::report::{name, peak_memory};
+use crate::scene::Told;
 use crate::settings::{Job, SettingsReport};
 
 /// Everything about a scene.

@@ -1,4 +1,7 @@
-//! From a scene file to a scene; what is wrong is told with its line.
+//! Scenes of the sea: from a file to a scene, what is wrong being told with its line, and to pictures.
+
+mod painter;
+mod tables;
 
 use std::fs;
 use std::ops::Range;
@@ -11,10 +14,10 @@ use shrouds::containment::{
 use shrouds_io::{VolumeOptions, read_volume};
 use toml::Spanned;
 
-use super::tables::{
-    FloorTable, GridTable, PathName, SceneTable, SeaTable, SoundTable, SpacingValue,
-};
 use crate::failure::Failure;
+
+pub(crate) use painter::Painter;
+use tables::{FloorTable, GridTable, PathName, SceneTable, SeaTable, SoundTable, SpacingValue};
 
 /// Largest scene file, in bytes.
 const LARGEST: u64 = 1 << 26;
@@ -22,10 +25,10 @@ const LARGEST: u64 = 1 << 26;
 const SPEED: f64 = 1500.0;
 
 /// What a scene file tells.
-pub(super) struct Told {
-    pub(super) scene: Scene,
+pub(crate) struct Told {
+    pub(crate) scene: Scene,
     /// Where the target truly is, if the file says so: its course is of no meaning.
-    pub(super) truth: Option<Track>,
+    pub(crate) truth: Option<Track>,
 }
 
 /// A scene file, for messages about it.
@@ -35,7 +38,7 @@ struct Source<'a> {
 }
 
 /// Reads a scene.
-pub(super) fn read(path: &Path) -> Result<Told, Failure> {
+pub(crate) fn read(path: &Path) -> Result<Told, Failure> {
     let unreadable = |cause: String| {
         let advice = "give a scene file, see docs/containment.md";
         Failure::Undone(format!("{}: cannot read it ({cause}); {advice}", path.display()))
@@ -45,8 +48,13 @@ pub(super) fn read(path: &Path) -> Result<Told, Failure> {
         return Err(unreadable(format!("{size} bytes are too many")));
     }
     let text = fs::read_to_string(path).map_err(|cause| unreadable(cause.to_string()))?;
-    let source = Source { path, text: &text };
-    let table: SceneTable = toml::from_str(&text)
+    parse(path, &text)
+}
+
+/// The scene of a text that is known by a path.
+pub(crate) fn parse(path: &Path, text: &str) -> Result<Told, Failure> {
+    let source = Source { path, text };
+    let table: SceneTable = toml::from_str(text)
         .map_err(|error| source.wrong(error.span().unwrap_or(0..0), error.message(), true))?;
     source.told(&table)
 }

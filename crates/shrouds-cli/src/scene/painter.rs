@@ -4,8 +4,7 @@ use shrouds::TriMesh;
 use shrouds::containment::{Sea, Step, Track};
 use shrouds_view::{Colours, LineSet, Picture, Scene};
 
-use super::file::Told;
-use crate::args::{Paint, ViewArgs};
+use super::Told;
 use crate::failure::Failure;
 use crate::picture::View;
 
@@ -20,7 +19,7 @@ const ARRAY: [u8; 3] = [210, 30, 40];
 const TRUTH: [u8; 3] = [20, 140, 60];
 
 /// What is the same in every picture of a scene.
-pub(super) struct Painter {
+pub(crate) struct Painter {
     view: View,
     region: [u8; 3],
     floor: TriMesh,
@@ -32,7 +31,7 @@ pub(super) struct Painter {
 }
 
 impl Painter {
-    pub(super) fn new(told: &Told, view: &ViewArgs, region: [u8; 3]) -> Self {
+    pub(crate) fn new(told: &Told, view: View, region: [u8; 3]) -> Self {
         let sea = told.scene.sea();
         let (floor, floor_colours) = floor(sea);
         let [low, high] = corners(sea);
@@ -40,19 +39,11 @@ impl Painter {
         let mut lines =
             vec![wide(outline(sea), SURFACE, 1.5), wide(way(told.scene.track()), WAY, 2.5)];
         lines.extend(told.truth.as_ref().map(|track| wide(way(track), TRUTH, 2.5)));
-        Self {
-            view: View::new(view, Paint::Plain(region)),
-            region,
-            floor,
-            floor_colours,
-            lines,
-            truth: told.truth.clone(),
-            mark,
-        }
+        Self { view, region, floor, floor_colours, lines, truth: told.truth.clone(), mark }
     }
 
     /// The region's surface, the floor, the ways, and where array and target are.
-    pub(super) fn draw(&self, step: &Step, region: &TriMesh) -> Result<Picture, Failure> {
+    pub(crate) fn draw(&self, step: &Step, region: &TriMesh) -> Result<Picture, Failure> {
         let mut mesh = self.floor.clone();
         let first = mesh.vertices.len() as u32;
         mesh.vertices.extend_from_slice(&region.vertices);
