@@ -1,9 +1,12 @@
 //! From what was typed to settings that the library takes, or a message that says what is wrong.
 
+use std::path::Path;
+use std::sync::Arc;
+
 use serde::Serialize;
 use shrouds::mesh::{MeshKind, Triangles};
 use shrouds::volume::{self, FaceRule};
-use shrouds::{Settings, optimize};
+use shrouds::{Occupancy, Settings, optimize};
 use shrouds_io::{Progress, VolumeOptions};
 
 use crate::args::{
@@ -13,6 +16,7 @@ use crate::args::{
 use crate::console::Console;
 use crate::energies;
 use crate::failure::Failure;
+use crate::report::name;
 
 /// The settings of a shroud as the report has them.
 #[derive(Debug, Clone, Serialize)]
@@ -22,6 +26,8 @@ pub(crate) struct SettingsReport {
     pub(crate) energy: Option<String>,
     /// In degrees; null if all is smooth.
     crease: Option<f64>,
+    /// The mask of places that need not be smooth; null without.
+    rough: Option<String>,
     solver: Solver,
     /// Null for the sweeps.
     pub(crate) preset: Option<Preset>,
@@ -70,6 +76,13 @@ impl Job {
         Ok(self)
     }
 
+    /// With places of the volume's lattice where the surface need not be smooth.
+    pub(crate) fn with_rough(mut self, path: &Path, places: Occupancy) -> Self {
+        self.settings.optimize.rough = Some(Arc::new(places));
+        self.report.rough = Some(name(path));
+        self
+    }
+
     /// With the energy of the preset if none is given.
     pub(crate) fn with_energy(
         args: &SolveArgs,
@@ -99,6 +112,7 @@ impl Job {
         let report = SettingsReport {
             energy: Some(settings.optimize.energy().to_string()),
             crease: None,
+            rough: None,
             solver: args.solver,
             preset,
             tolerance: settings.optimize.converges().then(|| settings.optimize.tolerance()),

@@ -121,6 +121,9 @@ pub(crate) struct MeshArgs {
     /// Numbers for every vertex, with commas between them; for .ply, .glb and .vtp
     #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',')]
     pub(crate) attributes: Vec<Attribute>,
+    /// A mask on the same lattice, all but 0: at its voxels the surface need not be smooth
+    #[arg(long, value_name = "VOLUME", conflicts_with = "each")]
+    pub(crate) rough: Option<PathBuf>,
     /// Also write the report (JSON)
     #[arg(long, value_name = "FILE")]
     pub(crate) report: Option<PathBuf>,

@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 use shrouds::volume::phantom::named;
+use shrouds::{Grid, Occupancy};
 
 use crate::common::{Folder, nifti, npy, volume};
 
@@ -371,4 +372,36 @@ fn creases_on_request() {
     }
     let done = folder.run("mesh volume.npy -o out.ply --crease --strict");
     assert!(done.code == 2 && done.err.contains("--crease"), "{}", done.err);
+}
+
+#[test]
+fn where_a_mask_is_set_the_surface_need_not_be_smooth() {
+    let folder = Folder::new();
+    let grid = Grid::new([24, 20, 20], [1.0; 3]).unwrap();
+    let cube = |index: [usize; 3]| index.iter().all(|i| (5..15).contains(i));
+    folder.volume("cube.npy", &Occupancy::from_fn(grid.clone(), cube));
+    folder.volume("mask.npy", &Occupancy::from_fn(grid, |[i, ..]| i < 10));
+    folder.succeed("mesh cube.npy -o smooth.ply --quiet");
+    let call = "mesh cube.npy -o rough.ply --rough mask.npy --json";
+    let report: Value = serde_json::from_str(&folder.succeed(call)).unwrap();
+    assert_eq!(report["settings"]["rough"], "mask.npy");
+    let [smooth, rough] = ["smooth.ply", "rough.ply"].map(|name| folder.mesh(name));
+    // Moved by the energy where it counts, and left where they were where it does not.
+    let moved = |low: f64, high: f64| -> f64 {
+        let pairs = smooth.vertices.iter().zip(&rough.vertices);
+        pairs
+            .filter(|(a, _)| (low..high).contains(&a[0]))
+            .map(|(a, b)| (0..3).map(|k| (a[k] - b[k]).abs()).fold(0.0, f64::max))
+            .fold(0.0, f64::max)
+    };
+    assert!(
+        moved(0.0, 9.0) > 0.05 && moved(12.0, 20.0) < 0.02,
+        "{} {}",
+        moved(0.0, 9.0),
+        moved(12.0, 20.0)
+    );
+    folder.volume("small.npy", &Occupancy::empty(Grid::new([24, 20, 19], [1.0; 3]).unwrap()));
+    let done = folder.run("mesh cube.npy -o rough.ply --rough small.npy");
+    assert_eq!(done.code, 1);
+    assert!(done.err.contains("small.npy") && done.err.contains("--rough"), "{}", done.err);
 }

@@ -5,13 +5,14 @@ mod each;
 use std::path::Path;
 use std::time::Instant;
 
-use shrouds_io::{MeshFormat, mesh_format, volume_format};
+use shrouds::{Occupancy, Select};
+use shrouds_io::{MeshFormat, VolumeOptions, mesh_format, read_occupancy, volume_format};
 
 use crate::args::{MeshArgs, SolveArgs, SurfaceKind};
 use crate::certificate::{self, Subject};
 use crate::console::{Console, grouped, number, print_json};
 use crate::failure::Failure;
-use crate::input;
+use crate::input::{self, Source};
 use crate::output::{check_png, check_targets};
 use crate::progress::Progress;
 use crate::report::Report;
@@ -20,7 +21,7 @@ use crate::work::{Extras, Outputs, produce};
 
 pub(crate) fn run(args: &MeshArgs, console: Console) -> Result<(), Failure> {
     let start = Instant::now();
-    let job = Job::new(&args.shroud, args.volume.coordinates())?;
+    let mut job = Job::new(&args.shroud, args.volume.coordinates())?;
     let extras = Extras { network: false, attributes: args.attributes.clone() };
     if args.each.is_some() {
         return each::run(args, &job, &extras, start, console);
@@ -36,6 +37,9 @@ pub(crate) fn run(args: &MeshArgs, console: Console) -> Result<(), Failure> {
     job.warn(console);
     let progress = Progress::new(console.quiet);
     let source = input::source(&args.input, &args.volume, console, &progress)?;
+    if let Some(path) = &args.rough {
+        job = job.with_rough(path, rough_places(path, &source)?);
+    }
     let done = produce(&source, &job, &outputs, &extras, start, console, &progress)?;
     drop(progress);
     if args.json {
@@ -49,6 +53,15 @@ pub(crate) fn run(args: &MeshArgs, console: Console) -> Result<(), Failure> {
     done.verdict(&job, console)
 }
 
+/// The voxels of a mask on the lattice of the volume.
+fn rough_places(path: &Path, source: &Source) -> Result<Occupancy, Failure> {
+    let mask = read_occupancy(path, &VolumeOptions::default(), &Select::NonZero)?.occupancy;
+    mask.grid().check_same_lattice(&source.lattice).map_err(|error| {
+        Failure::Undone(format!("{}: {error}; --rough wants that of the volume", path.display()))
+    })?;
+    Ok(mask)
+}
+
 /// Finds out before the work whether the files can be what they are to be.
 fn check_files(args: &MeshArgs, meshes: &[&Path]) -> Result<(), Failure> {
     volume_format(&args.input)?;
@@ -56,7 +69,8 @@ fn check_files(args: &MeshArgs, meshes: &[&Path]) -> Result<(), Failure> {
     picture.map_or(Ok(()), check_png)?;
     let others = [picture, args.report.as_deref(), args.certificate.as_deref()];
     let targets: Vec<&Path> = meshes.iter().copied().chain(others.into_iter().flatten()).collect();
-    check_targets(&targets, &[&args.input])
+    let inputs = [Some(args.input.as_path()), args.rough.as_deref()];
+    check_targets(&targets, &inputs.into_iter().flatten().collect::<Vec<_>>())
 }
 
 /// Whether the mesh can be read again for its certificate.
