@@ -46,7 +46,8 @@ def test_the_document_has_a_place_for_every_table():
     names = ["speed", "stages", "midpoint", "threads", "program"]
     large = [f"{name}-large" for name in names]
     accuracy = ["growth", "accuracy-primal", "accuracy-dual"]
-    compression = ["compression-size", "compression-labels", "compression-speed"]
+    parts = ["size", "labels", "speed", "geometry", "planes-speed", "meshes"]
+    compression = [f"compression-{part}" for part in parts]
     assert sorted(marks) == sorted([*names, *large, *accuracy, *compression])
 
 
