@@ -1,6 +1,5 @@
 //! A mesh for every label, each in a file of a folder or all in one file.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -12,7 +11,7 @@ use shrouds_io::{Frame, MeshFormat, mesh_format};
 use crate::console::{Console, grouped, plural, print_json};
 use crate::failure::Failure;
 use crate::input::Source;
-use crate::output::{check_targets, write_json};
+use crate::output::{check_targets, make_folder, write_json};
 use crate::progress::Progress;
 use crate::report::{Report, peak_memory};
 use crate::settings::Job;
@@ -135,10 +134,7 @@ impl Each<'_> {
     /// Writes a mesh into the folder.
     fn write(&self, one: &mut Finished, source: &Source) -> Result<PathBuf, Failure> {
         let folder = self.target.output;
-        fs::create_dir_all(folder).map_err(|cause| {
-            let message = "cannot make this folder";
-            Failure::Undone(format!("{}: {message} ({cause}); name another", folder.display()))
-        })?;
+        make_folder(folder)?;
         let path = folder.join(format!("{}.{}", one.label.file_name(), self.target.extension));
         check_targets(&[&path], &[self.target.input])?;
         let part =

@@ -26,6 +26,16 @@ pub(crate) fn check_targets(targets: &[&Path], inputs: &[&Path]) -> Result<(), F
     Ok(())
 }
 
+/// Makes a folder for files that are to come, unless it is there.
+pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
+    fs::create_dir_all(folder).map_err(|cause| {
+        let folder = folder.display();
+        Failure::Undone(format!(
+            "{folder}: cannot make this folder ({cause}); give another with --output"
+        ))
+    })
+}
+
 /// The file itself, whatever name it goes by.
 fn identity(path: &Path) -> PathBuf {
     let folder = match path.parent() {

@@ -1,6 +1,5 @@
 //! `shrouds demo`: a phantom, its shroud, a picture and the numbers.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -10,7 +9,7 @@ use crate::args::{DemoArgs, SurfaceKind};
 use crate::commands::figures;
 use crate::console::{Console, grouped, number, plural, print_json};
 use crate::failure::Failure;
-use crate::output::check_targets;
+use crate::output::{check_targets, make_folder};
 use crate::phantom;
 use crate::picture::NETWORK_ON_DUAL;
 use crate::progress::Progress;
@@ -61,12 +60,7 @@ pub(crate) fn run(args: &DemoArgs, console: Console) -> Result<(), Failure> {
 impl Files {
     /// Makes the folder and finds out whether the files can appear in it.
     fn in_folder(folder: &Path) -> Result<Self, Failure> {
-        fs::create_dir_all(folder).map_err(|cause| {
-            let folder = folder.display();
-            Failure::Undone(format!(
-                "{folder}: cannot make this folder ({cause}); give another with --output"
-            ))
-        })?;
+        make_folder(folder)?;
         let files = Self {
             volume: folder.join(VOLUME),
             mesh: folder.join("mesh.ply"),

@@ -1,6 +1,5 @@
 //! `shrouds demo figure3` and `figures`: the figures of the paper, made again.
 
-use std::fs;
 use std::path::PathBuf;
 
 use serde::Serialize;
@@ -10,7 +9,7 @@ use crate::args::DemoArgs;
 use crate::console::{Console, print_json};
 use crate::failure::Failure;
 use crate::figures::{Data, FIGURES, Figure, page};
-use crate::output::{check_targets, write_picture};
+use crate::output::{check_targets, make_folder, write_picture};
 use crate::progress::Progress;
 
 /// The name that stands for all of them, with their page.
@@ -31,7 +30,7 @@ struct Report {
 
 #[derive(Serialize)]
 struct ClaimReport {
-    paper: &'static str,
+    claim: &'static str,
     measured: String,
     verdict: &'static str,
 }
@@ -43,12 +42,7 @@ pub(crate) fn is_figure(name: &str) -> bool {
 
 pub(crate) fn run(args: &DemoArgs, console: Console) -> Result<(), Failure> {
     let folder = &args.output;
-    fs::create_dir_all(folder).map_err(|cause| {
-        let folder = folder.display();
-        Failure::Undone(format!(
-            "{folder}: cannot make this folder ({cause}); give another with --output"
-        ))
-    })?;
+    make_folder(folder)?;
     let all = args.name == ALL;
     let chosen: Vec<_> = FIGURES.iter().filter(|(name, _)| all || *name == args.name).collect();
     let picture = |name: &str| folder.join(name).with_extension("png");
@@ -80,7 +74,7 @@ pub(crate) fn run(args: &DemoArgs, console: Console) -> Result<(), Failure> {
 impl Report {
     fn new(figure: &Figure, picture: String) -> Self {
         let claims = figure.claims.iter().map(|claim| ClaimReport {
-            paper: claim.paper,
+            claim: claim.paper,
             measured: claim.measured.clone(),
             verdict: claim.verdict.word(),
         });
@@ -99,8 +93,8 @@ impl Report {
         let mut lines = vec![format!("{}: {}", self.picture, self.title)];
         lines.push(format!("  made of {}", self.data));
         for claim in &self.claims {
-            let ClaimReport { paper, measured, verdict } = claim;
-            lines.push(format!("  \"{paper}\" {verdict}: {measured}"));
+            let ClaimReport { claim, measured, verdict } = claim;
+            lines.push(format!("  {claim}: {verdict}; {measured}"));
         }
         lines.join("\n")
     }

@@ -46,6 +46,7 @@ pub(crate) struct Table {
 
 /// What the paper says, what we find, and whether that agrees.
 pub(crate) struct Claim {
+    /// In our words.
     pub(crate) paper: &'static str,
     pub(crate) measured: String,
     pub(crate) verdict: Verdict,

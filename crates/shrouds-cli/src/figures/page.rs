@@ -27,8 +27,7 @@ fn section(figure: &Figure) -> String {
         let rows = claims.iter().map(|claim| {
             vec![claim.paper.to_owned(), claim.measured.clone(), claim.verdict.word().to_owned()]
         });
-        let claims =
-            Table { head: vec!["the paper says", "we measure", "verdict"], rows: rows.collect() };
+        let claims = Table { head: vec!["claim", "we measure", "verdict"], rows: rows.collect() };
         let _ = write!(text, "\n{}", markdown(&claims));
     }
     text

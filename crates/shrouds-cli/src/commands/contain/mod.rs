@@ -2,7 +2,6 @@
 
 mod report;
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -13,7 +12,7 @@ use crate::args::{ContainArgs, FrameChoice, Paint};
 use crate::console::{Console, print_json};
 use crate::failure::Failure;
 use crate::frame::mesh_options;
-use crate::output::{check_targets, write_json, write_picture};
+use crate::output::{check_targets, make_folder, write_json, write_picture};
 use crate::picture::View;
 use crate::progress::Progress;
 use crate::scene::{self, Painter};
@@ -71,11 +70,7 @@ pub(crate) fn run(args: &ContainArgs, console: Console) -> Result<(), Failure> {
 /// Makes the folder and finds out whether files can appear in it.
 fn prepare(args: &ContainArgs) -> Result<PathBuf, Failure> {
     let folder = &args.output;
-    fs::create_dir_all(folder).map_err(|cause| {
-        let folder = folder.display();
-        let advice = "give another with --output";
-        Failure::Undone(format!("{folder}: cannot make this folder ({cause}); {advice}"))
-    })?;
+    make_folder(folder)?;
     let report = folder.join("report.json");
     check_targets(&[&report], &[&args.scene])?;
     Ok(report)
