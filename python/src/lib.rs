@@ -7,7 +7,6 @@
 
 mod array;
 mod error;
-mod settings;
 mod shroud;
 mod work;
 
@@ -20,7 +19,7 @@ mod _native {
     #[pymodule_export]
     use crate::array::Volume;
     #[pymodule_export]
-    use crate::shroud::{Made, shroud};
+    use crate::shroud::{Made, setting_names, shroud};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -5,11 +5,10 @@ use std::sync::Arc;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use shrouds::surface::Surface;
-use shrouds::{Occupancy, Shroud, Times, TriMesh, optimize, shroud_observed};
+use shrouds::{Occupancy, Settings, Shroud, Times, TriMesh, optimize, shroud_observed};
 
 use crate::array::Volume;
 use crate::error;
-use crate::settings::settings;
 use crate::work;
 
 /// Rounding to 32 bits may move a vertex by this part of the smallest spacing: a twentieth of the
@@ -64,6 +63,18 @@ pub(crate) fn shroud<'py>(
     ))
 }
 
+/// The settings that names and values ask for.
+fn settings(given: &[(String, String)]) -> PyResult<Settings> {
+    let pairs = given.iter().map(|(name, value)| (name.as_str(), value.as_str()));
+    Settings::from_names(pairs).map_err(error::of_library)
+}
+
+/// The names of all settings.
+#[pyfunction]
+pub(crate) fn setting_names() -> Vec<&'static str> {
+    Settings::named().into_iter().map(|setting| setting.name).collect()
+}
+
 /// Positions in 32 bits, or in 64 where those would move a vertex by more than a ten-thousandth of a
 /// voxel.
 fn positions<'py>(
@@ -80,7 +91,10 @@ fn positions<'py>(
 }
 
 /// An array of `N × 3`, which takes over the memory.
-fn triples<T: numpy::Element>(py: Python<'_>, rows: Vec<[T; 3]>) -> PyResult<Bound<'_, PyArray2<T>>> {
+fn triples<T: numpy::Element>(
+    py: Python<'_>,
+    rows: Vec<[T; 3]>,
+) -> PyResult<Bound<'_, PyArray2<T>>> {
     let count = rows.len();
     rows.into_flattened().into_pyarray(py).reshape([count, 3])
 }
