@@ -18,7 +18,6 @@ mod frame;
 mod input;
 mod label_map;
 mod lines;
-mod measure;
 mod output;
 mod packed;
 mod picture;
