@@ -276,7 +276,9 @@ mod tests {
             message("preset", "fats"),
             r#"preset is "fats", but must be fast, default, exact"#
         );
-        assert!(message("start", "random:-1").contains("random:SEED"));
+        for start in ["random", "random:", "random:-1", "blur:1"] {
+            assert!(message("start", start).contains("random:SEED"));
+        }
         assert!(message("max_iterations", "-1").contains("whole number"));
         assert!(message("tolerance", "nan").contains("above 0"));
         assert!(message("crease", "1000").contains("radians"));
