@@ -5,7 +5,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 use shrouds::check::CheckReport;
 use shrouds::{Occupancy, optimize};
-use shrouds_report::{Checks, Geometry, Lattice, Solver, Times, Topology, peak_memory};
+use shrouds_report::{Checks, Geometry, Lattice, SolverReport, Times, Topology, peak_memory};
 
 /// What only the caller knows.
 #[derive(FromPyObject)]
@@ -27,7 +27,7 @@ pub(crate) struct Report {
     input: Input,
     settings: Map<String, Value>,
     topology: Topology,
-    solver: Solver,
+    solver: SolverReport,
     geometry: Geometry,
     checks: Checks,
     times: Times,
@@ -67,7 +67,7 @@ impl Report {
             },
             settings,
             topology: Topology::new(checks),
-            solver: Solver::new(optimization),
+            solver: SolverReport::new(optimization),
             geometry: Geometry::new(volume, [None; 2], checks),
             checks: Checks::new(checks),
             times,

@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use serde::Serialize;
+use shrouds::Choice;
 use shrouds::check::CheckReport;
-use shrouds::optimize;
+use shrouds::optimize::{self, Preset};
 pub(crate) use shrouds_report::{
-    Checks, FirstLast, Geometry, Lattice, RmsMax, Solver, Times, Topology, peak_memory,
+    Checks, FirstLast, Geometry, Lattice, RmsMax, SolverReport, Times, Topology, peak_memory,
 };
 
-use crate::args::Preset;
 use crate::console::plural;
 use crate::input::Source;
 use crate::settings::{Job, SettingsReport};
@@ -20,7 +20,7 @@ pub(crate) struct Report {
     pub(crate) input: Input,
     pub(crate) settings: SettingsReport,
     pub(crate) topology: Topology,
-    pub(crate) solver: Solver,
+    pub(crate) solver: SolverReport,
     pub(crate) geometry: Geometry,
     pub(crate) checks: Checks,
     pub(crate) times: Times,
@@ -54,7 +54,7 @@ impl Report {
             input: Input::new(source),
             settings: job.report.clone(),
             topology: Topology::new(checks),
-            solver: Solver::new(optimization),
+            solver: SolverReport::new(optimization),
             geometry: Geometry::new(&source.occupancy, source.truth, checks),
             checks: Checks::new(checks),
             times: Times::new(source.seconds, times),
@@ -66,10 +66,9 @@ impl Report {
     /// In words, that the preset stopped before the minimum, and what is left, unless it is one that
     /// converges. Together the vertices would move farther than each one alone.
     pub(crate) fn shortfall(&self) -> Option<String> {
-        let preset = self.settings.preset.filter(|&preset| preset != Preset::Exact)?;
+        let preset = self.settings.preset.filter(|&preset| preset != Preset::Exact.name())?;
         Some(format!(
-            "--preset {} stopped after {}, before convergence: each vertex alone would still move {:.1e} voxels RMS",
-            preset.name(),
+            "--preset {preset} stopped after {}, before convergence: each vertex alone would still move {:.1e} voxels RMS",
             plural(self.solver.iterations, "iteration"),
             self.solver.projected_step.rms,
         ))

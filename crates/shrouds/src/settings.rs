@@ -5,7 +5,7 @@ use std::str::FromStr;
 use crate::choice::Choice;
 use crate::error::Error;
 use crate::mesh::{MeshKind, Triangles};
-use crate::optimize::{self, Crease, Preset, Solver, VolumeRule};
+use crate::optimize::{self, Crease, Preset, Solver, Start, VolumeRule};
 use crate::volume::{Border, FaceRule};
 
 /// Everything a caller can choose.
@@ -38,7 +38,7 @@ pub struct Setting {
 impl Settings {
     /// All settings that have a name, in the order of the program's help.
     ///
-    /// Not among them are those that are data: intervals, and places that need not be smooth.
+    /// Not among them are those that are data: given δ, intervals, and places that need not be smooth.
     pub fn named() -> Vec<Setting> {
         vec![
             value(
@@ -93,7 +93,10 @@ impl Settings {
                 "start",
                 "Where the vertices start: blur (the blurred volume), midpoint (the middle of the grid edges), inside or outside (one of their ends) or random:SEED",
                 |settings, text| put(&mut settings.optimize.start, text.parse()),
-                |settings| Some(settings.optimize.start.to_string()),
+                |settings| match &settings.optimize.start {
+                    Start::Given(_) => None,
+                    start => Some(start.to_string()),
+                },
             ),
             value(
                 "margin",
@@ -276,7 +279,9 @@ mod tests {
             message("preset", "fats"),
             r#"preset is "fats", but must be fast, default, exact"#
         );
-        assert!(message("start", "random:-1").contains("random:SEED"));
+        for start in ["random", "random:", "random:-1", "blur:1"] {
+            assert!(message("start", start).contains("random:SEED"));
+        }
         assert!(message("max_iterations", "-1").contains("whole number"));
         assert!(message("tolerance", "nan").contains("above 0"));
         assert!(message("crease", "1000").contains("radians"));

@@ -30,6 +30,7 @@ impl Start {
         "blur, midpoint, inside, outside or random:SEED with a whole number";
 }
 
+/// As [`FromStr`] reads it, but for what is given as numbers.
 impl fmt::Display for Start {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -38,6 +39,7 @@ impl fmt::Display for Start {
             Self::Inside => f.write_str("inside"),
             Self::Outside => f.write_str("outside"),
             Self::Random(seed) => write!(f, "random:{seed}"),
+            Self::Given(_) => f.write_str("given"),
         }
     }
 }

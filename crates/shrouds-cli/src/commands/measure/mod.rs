@@ -8,11 +8,12 @@ use std::path::Path;
 use std::time::Instant;
 
 use shrouds::mesh::MeshKind;
+use shrouds::optimize::{Preset, Solver};
 use shrouds::{Grid, TriMesh};
 use shrouds_io::{Frame, read_mesh};
 use shrouds_report::measure::{Body, Entries, Units, parts};
 
-use crate::args::{MeasureArgs, Preset, Solver};
+use crate::args::MeasureArgs;
 use crate::console::{Console, print_json};
 use crate::failure::Failure;
 use crate::input::{self, Kind};
