@@ -103,10 +103,9 @@ def measure(surface: Surface, *, threads: int | None = None) -> dict[str, Any]:
     >>> round(found["volume"]), round(found["area"]), found["genus"]
     (515, 311, 0)
     """
-    made = surface._kept() if isinstance(surface, Shroud) else None
-    mesh = mesh_of(surface)
-    found = mesh.measure(threads) if made is None else made.measure(mesh, threads)
-    return dict(json.loads(found))
+    if isinstance(surface, Shroud):
+        return dict(json.loads(surface._kept().measure(surface._mesh(), threads)))
+    return dict(json.loads(mesh_of(surface).measure(threads)))
 
 
 def compare(
