@@ -6,7 +6,16 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__: list[str]
+__all__ = [
+    "Made",
+    "Mesh",
+    "Volume",
+    "__version__",
+    "lattice_for",
+    "read_volume",
+    "setting_names",
+    "shroud",
+]
 __version__: str
 
 _Affine = tuple[tuple[float, float, float, float], ...]

@@ -69,7 +69,7 @@ def test_comparisons_are_those_of_the_program(program, body, tmp_path):
         "compare", tmp_path / "body.npy", "--json",
         "--energies", ";".join(energies),
     )  # fmt: skip
-    theirs = {row["energy"]: row for row in json.loads(printed)["rows"]}
+    theirs = {row["energy"]: row for row in json.loads(printed)["energies"]}
     for ours in shrouds.compare(body, energies):
         row = theirs[ours["energy"]]
         assert ours.keys() <= row.keys()
