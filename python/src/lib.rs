@@ -8,6 +8,7 @@
 mod array;
 mod error;
 mod mesh;
+mod pool;
 mod report;
 mod shroud;
 mod volume;
