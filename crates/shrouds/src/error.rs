@@ -51,6 +51,12 @@ pub enum Error {
         /// What is allowed.
         range: &'static str,
     },
+    /// What was found for a chunk of a volume does not fit its voxels.
+    #[error("what was found for chunk {chunk:?} is not that of its voxels: make it again")]
+    Chunk {
+        /// Its index along x, y, z.
+        chunk: [usize; 3],
+    },
     /// The surface has more vertices than a 32-bit index can name.
     #[error(
         "the surface has {vertices} vertices; at most {limit} can be indexed: crop or split the volume"

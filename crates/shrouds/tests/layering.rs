@@ -65,6 +65,8 @@ const ARROWS: &[(&str, &[&str])] = &[
             "vector",
         ],
     ),
+    // The story once more, for volumes that no memory holds.
+    ("chunks", &["grid", "volume", "surface", "optimize", "mesh", "error"]),
     // Of two bodies that touch: shrouds of their own, measured.
     ("contact", &["grid", "volume", "optimize", "mesh", "measure", "pipeline", "error"]),
 ];

@@ -19,6 +19,7 @@ mod keep;
 mod level;
 mod model;
 mod newton;
+mod pieces;
 mod plan;
 mod problem;
 mod real;
@@ -35,8 +36,11 @@ mod visit;
 
 pub use alone::minimise_vertex;
 pub use keep::keep_volumes;
+pub(crate) use pieces::{FLAT_REACH, FixedPass, KNOWN, Piece, fixed_passes};
+pub(crate) use relax::EnergySum;
 pub use report::{ComponentVolume, Report, Round, Status};
 pub use settings::{Crease, Observer, Preset, Progress, Settings, Solver, Start, VolumeRule};
+pub(crate) use tile::{EDGE, Tiling};
 
 use std::sync::Arc;
 

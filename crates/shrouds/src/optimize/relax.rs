@@ -9,7 +9,7 @@ use crate::optimize::problem::Conditions;
 use crate::optimize::real::Real;
 use crate::optimize::report::{Round, Stationarity, Status};
 use crate::optimize::settings::{Observer, Progress};
-use crate::optimize::tile::{Tile, TileRows, partition};
+use crate::optimize::tile::{Tile, TilePoints, Tiling, partition};
 use crate::optimize::visit::{Visit, visit};
 use crate::parallel;
 use crate::surface::Surface;
@@ -17,7 +17,7 @@ use crate::surface::Surface;
 /// Vertices per tile, about: enough that little is worked on twice, few enough for the cache.
 const TILE: usize = 50_000;
 /// Tiles worked on between two calls of the observer.
-const GROUP: usize = 8;
+pub(super) const GROUP: usize = 8;
 
 /// What is known of a surface after the passes.
 pub(super) struct Relaxed {
@@ -174,17 +174,18 @@ impl Work<'_> {
         stop: &mut dyn FnMut(&Pass, f64) -> bool,
     ) -> Pass {
         let (surface, conditions, least) = (self.surface, &self.conditions, self.least);
-        let colours = match self.is_one_tile(x.len()) {
-            true => [vec![TileRows::all(surface)], Vec::new(), Vec::new(), Vec::new()],
-            false => partition(surface, TILE, shifted),
+        let is_coloured = passes.iter().flat_map(|steps| *steps).any(|effort| effort.converges);
+        // Tiles of the lattice know nothing of what the others find.
+        let before = if is_coloured { Vec::new() } else { x.to_vec() };
+        let colours: Vec<Vec<TilePoints>> = match is_coloured {
+            _ if self.is_one_tile(x.len()) => vec![vec![TilePoints::all(surface)]],
+            true => partition(surface, TILE, shifted).into(),
+            false => vec![Tiling::of(surface).tiles(surface, &surface.points())],
         };
-        let groups: Vec<&[TileRows]> = colours.iter().flat_map(|c| c.chunks(GROUP)).collect();
+        let groups: Vec<&[TilePoints]> = colours.iter().flat_map(|c| c.chunks(GROUP)).collect();
         for (done, tiles) in groups.iter().enumerate() {
-            let found = parallel::blocks(tiles.len(), 1, |range| {
-                let tile = Tile::cut(surface, tiles[range.start].clone());
-                let visit = visit(&tile, conditions, passes, least, x);
-                (tile, visit)
-            });
+            let x_there: &[R] = if is_coloured { x } else { &before };
+            let found = visit_all(surface, conditions, tiles, passes, least, x_there);
             for (tile, visit) in found {
                 tile.write(&visit.x, x);
                 tile.write(&visit.slopes, &mut self.relaxed.slopes);
@@ -202,11 +203,46 @@ impl Work<'_> {
     fn take(&mut self, pass: Pass, vertices: usize) -> Status {
         let status = pass.status;
         if !self.is_one_tile(vertices) {
-            self.conditions.mean_energy = Some(pass.energy_of_vertices / vertices as f64);
+            let mean = pass.energy_of_vertices.mean(vertices as u64);
+            self.conditions.mean_energy = Some(mean);
         }
         self.relaxed.stationarity = pass.stationarity;
         self.relaxed.rounds.extend(pass.into_rounds());
         status
+    }
+}
+
+/// The work on some tiles, none of which knows what the others find.
+pub(super) fn visit_all<'a, R: Real>(
+    surface: &'a Surface,
+    conditions: &Conditions,
+    tiles: &[TilePoints],
+    passes: &[&[Effort]],
+    least: f64,
+    x: &[R],
+) -> Vec<(Tile<'a>, Visit<R>)> {
+    parallel::blocks(tiles.len(), 1, |range| {
+        let tile = Tile::cut(surface, tiles[range.start].clone());
+        let visit = visit(&tile, conditions, passes, least, x);
+        (tile, visit)
+    })
+}
+
+/// A sum of energies that does not depend on the order of adding: in whole units.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct EnergySum(pub(crate) u64);
+
+impl EnergySum {
+    const UNITS: f64 = (1u64 << 24) as f64;
+
+    /// Adds the energy of a tile.
+    pub(crate) fn add(&mut self, energy: f64) {
+        self.0 += (energy * Self::UNITS).round() as u64;
+    }
+
+    /// The mean over so many vertices.
+    pub(crate) fn mean(self, vertices: u64) -> f64 {
+        self.0 as f64 / Self::UNITS / vertices.max(1) as f64
     }
 }
 
@@ -219,7 +255,7 @@ struct Pass {
     /// See [`Visit::first_move`].
     first_move: f64,
     /// See [`Visit::energy_of_vertices`].
-    energy_of_vertices: f64,
+    energy_of_vertices: EnergySum,
     stationarity: Stationarity,
     status: Status,
 }
@@ -230,7 +266,7 @@ impl Pass {
             energies: passes.iter().map(|steps| vec![0.0; steps.len() + 1]).collect(),
             most_steps: 0,
             first_move: 0.0,
-            energy_of_vertices: 0.0,
+            energy_of_vertices: EnergySum::default(),
             stationarity: Stationarity::default(),
             status,
         }
@@ -238,7 +274,7 @@ impl Pass {
 
     fn add<R>(&mut self, visit: Visit<R>) {
         self.first_move += visit.first_move;
-        self.energy_of_vertices += visit.energy_of_vertices;
+        self.energy_of_vertices.add(visit.energy_of_vertices);
         let steps = visit.energies.last().map_or(0, |energies| energies.len() - 1);
         self.most_steps = self.most_steps.max(steps);
         for (sums, found) in self.energies.iter_mut().zip(visit.energies) {

@@ -35,6 +35,7 @@ pub(super) fn visit<R: Real>(
     let local = |factors: &[f32]| tile.read(factors, 0.0);
     let mut problem = Problem::new(&tile.network, conditions, local);
     problem.fix(tile.is_fixed());
+    problem.leave_out(tile.is_foreign());
     if !conditions.intervals.is_empty() {
         problem.narrow(&tile.read(conditions.intervals, [0.0, 1.0]));
     }
@@ -61,7 +62,7 @@ pub(super) fn visit<R: Real>(
         }
         energies.push(own);
     }
-    let stationarity = Stationarity::of(&newton.model, &x, &problem.bounds, &problem.is_fixed);
+    let stationarity = Stationarity::of(&newton.model, &x, &problem.bounds, &problem.is_foreign);
     let slopes = problem.slopes(&x);
     let energy_of_vertices = newton.model.energy_of_vertices(&problem);
     Visit { x, energies, first_move, energy_of_vertices, stationarity, slopes }
