@@ -33,7 +33,7 @@ fn in_chunks(volume: &Occupancy, settings: &Settings, edge: usize) -> Joined {
         let mean = passes.mean_energy(n, &sums, vertices);
         let relax = |c| {
             let chunk = chunk(c);
-            let mut x = chunk.start(&passes);
+            let mut x = chunk.start(&passes).unwrap();
             if n > 0 {
                 x.fill(f32::NAN);
                 for other in layout.beside(c) {

@@ -155,7 +155,10 @@ impl<'a> Chunk<'a> {
     }
 
     /// Where the known vertices start, for the first of the passes.
-    pub fn start(&self, passes: &Passes) -> Vec<f32> {
+    ///
+    /// # Errors
+    /// None for [`Passes`] that were made by [`Passes::new`].
+    pub fn start(&self, passes: &Passes) -> Result<Vec<f32>, Error> {
         self.piece().start(&passes.settings)
     }
 

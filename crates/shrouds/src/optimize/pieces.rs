@@ -8,6 +8,7 @@ use crate::error::Error;
 use crate::optimize::conjugate::Effort;
 use crate::optimize::plan::{self, Passes};
 use crate::optimize::problem::Conditions;
+use crate::optimize::progress::deltas;
 use crate::optimize::relax::{EnergySum, GROUP, visit_all};
 use crate::optimize::settings::{Preset, Settings, Solver, Start, VolumeRule};
 use crate::optimize::tile::{ABOVE, BELOW, HALO, Tiling};
@@ -48,8 +49,8 @@ pub(crate) fn fixed_passes(settings: &Settings) -> Result<Vec<FixedPass>, Error>
         () if *volume == VolumeRule::Keep => {
             return refuse("volume", "keep", "free for a volume in chunks");
         }
-        () if matches!(settings.start, Start::Random(_)) => {
-            return refuse("start", "random", "blur or midpoint for a volume in chunks");
+        () if matches!(settings.start, Start::Random(_) | Start::Given(_)) => {
+            return refuse("start", "random or given", "blur or midpoint for a volume in chunks");
         }
         () if crease.is_some() || rough.is_some() || intervals.is_some() => {
             return refuse(
@@ -99,7 +100,10 @@ pub(crate) struct Found {
 
 impl Piece<'_> {
     /// Where the vertices start, right for what the first pass looks at.
-    pub(crate) fn start(&self, settings: &Settings) -> Vec<f32> {
+    ///
+    /// # Errors
+    /// [`Error::Setting`] for a start that is given.
+    pub(crate) fn start(&self, settings: &Settings) -> Result<Vec<f32>, Error> {
         let energy = settings.energy();
         let Conditions { spacing, bounds, .. } =
             Conditions::new(self.surface, settings, &energy, &[]);
@@ -133,6 +137,6 @@ impl Piece<'_> {
 
     /// The δ of vertices that are known.
     pub(crate) fn deltas(&self, x: &[f32]) -> Vec<f64> {
-        crate::optimize::deltas(self.surface, x)
+        deltas(self.surface, x)
     }
 }
