@@ -1,7 +1,7 @@
 //! From voxels to the positions of all vertices.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use shrouds::chunks::{Chunk, ChunkMesh, Layout, Passes, Relaxed};
 use shrouds::volume::Border;
@@ -26,6 +26,7 @@ pub struct ChunkRun {
     pub(super) layout: Layout,
     pub(super) settings: Settings,
     passes: Passes,
+    is_continued: bool,
 }
 
 /// What a pass found for all chunks together.
@@ -62,10 +63,12 @@ impl ChunkRun {
         let folder = folder.into();
         let passes = Passes::new(&settings.optimize)
             .map_err(|cause| Error::Chunks { path: folder.clone(), cause })?;
-        let run = Self { folder, layout, settings: settings.clone(), passes };
+        let mut run =
+            Self { folder, layout, settings: settings.clone(), passes, is_continued: false };
         fs::create_dir_all(&run.folder).map_err(|cause| run.refused("make it", cause))?;
         let key = run.folder.join("identity");
-        if fs::read(&key).is_ok_and(|found| found == identity.as_bytes()) {
+        run.is_continued = fs::read(&key).is_ok_and(|found| found == identity.as_bytes());
+        if run.is_continued {
             return Ok(run);
         }
         run.clear()?;
@@ -307,9 +310,9 @@ impl ChunkRun {
         Error::Chunks { path: self.folder.clone(), cause }
     }
 
-    /// The folder.
-    pub fn folder(&self) -> &Path {
-        &self.folder
+    /// Whether the folder was there already, with the same identity.
+    pub fn is_continued(&self) -> bool {
+        self.is_continued
     }
 }
 
