@@ -203,15 +203,17 @@ impl ChunkRun {
         Ok((mesh, first_of(chunk)))
     }
 
-    /// Removes everything that was found, and the folder.
+    /// Removes everything that was found, and the folder unless something else is in it.
     ///
     /// # Errors
     /// [`Error::Io`].
-    pub fn remove(self) -> Result<(), Error> {
+    pub fn remove(&self) -> Result<(), Error> {
         self.clear()?;
-        fs::remove_file(self.folder.join("identity"))
-            .and_then(|()| fs::remove_dir(&self.folder))
-            .map_err(|cause| self.refused("remove it", cause))
+        let key = self.folder.join("identity");
+        fs::remove_file(key).map_err(|cause| self.refused("remove what is in it", cause))?;
+        // It stays where it is not empty.
+        let _ = fs::remove_dir(&self.folder);
+        Ok(())
     }
 
     pub(super) fn file(&self, what: &str, [i, j, k]: [usize; 3]) -> PathBuf {
