@@ -123,6 +123,7 @@ fn other_settings_begin_anew() {
     fs::write(folder.path("parts/9-9-9.ply"), "old").unwrap();
     let done = folder.run("mesh volume.npy --chunk 64 -o parts");
     assert!(done.code == 1 && done.err.contains("empty"), "{}", done.err);
+    assert!(!folder.path("parts.chunks").exists());
 }
 
 #[test]
@@ -135,7 +136,7 @@ fn what_does_not_go_with_chunks_is_refused() {
         ("--chunk 64 -o a.ply --strict", "--strict"),
         ("--chunk 64 -o a.ply --surface dual", "primal"),
         ("--chunk 64 -o a.ply --volume keep", "volume"),
-        ("--chunk 64 -o a.ply --crease 6", "crease"),
+        ("--chunk 64 -o a.ply --crease=6", "crease"),
         ("--chunk 64 -o a.ply --start random:1", "start"),
         ("--chunk 64 -o a.ply --frame index", "--frame"),
         ("--chunk 64 -o a.ply --picture a.png", "--picture"),

@@ -65,8 +65,9 @@ pub(super) fn run(
     Passes::new(&job.settings.optimize).map_err(in_call)?;
     let identity = identity(args, &selection.words, edge, job)?;
     let run = ChunkRun::open(work_folder(&args.output), &identity, layout, &job.settings)?;
-    if is_folder {
-        prepare_folder(&args.output, run.is_continued())?;
+    if is_folder && let Err(failure) = prepare_folder(&args.output, run.is_continued()) {
+        run.remove()?;
+        return Err(failure);
     }
     let options =
         mesh_options(&[&corners(&lattice)], MeshFormat::Ply, frame, lattice.min_spacing()).0;
