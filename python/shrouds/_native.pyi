@@ -6,6 +6,16 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = [
+    "Made",
+    "Mesh",
+    "Volume",
+    "__version__",
+    "lattice_for",
+    "read_volume",
+    "setting_names",
+    "shroud",
+]
 __version__: str
 
 _Affine = tuple[tuple[float, float, float, float], ...]
@@ -57,7 +67,7 @@ class Volume:
     def to_array(self) -> NDArray[np.bool_]: ...
     def combine(self, operation: str, other: Volume) -> Volume: ...
     def offset(
-        self, by: float, border: str, keep_lattice: bool, threads: int | None = None
+        self, by: float, border: str, keep_lattice: bool, threads: int | None
     ) -> Volume: ...
     def pack(
         self,
@@ -66,17 +76,17 @@ class Volume:
         border: str,
         frame: str,
         unit: str,
-        threads: int | None = None,
+        threads: int | None,
     ) -> bytes: ...
     @staticmethod
-    def unpack(bytes: bytes, threads: int | None = None) -> tuple[Volume, str, str]: ...
+    def unpack(bytes: bytes, threads: int | None) -> tuple[Volume, str, str]: ...
     @staticmethod
     def voxelize(
         mesh: Mesh,
         affine: _Affine,
         dims: tuple[int, int, int],
         winding: str,
-        threads: int | None = None,
+        threads: int | None,
     ) -> tuple[Volume, list[str]]: ...
 
 @final
@@ -100,7 +110,7 @@ class Mesh:
         unit: str,
         spacing: float,
     ) -> None: ...
-    def measure(self, threads: int | None = None) -> str: ...
+    def measure(self, threads: int | None) -> str: ...
     def roughness(self) -> float: ...
     def check(
         self,
@@ -109,13 +119,13 @@ class Mesh:
         faces: str,
         all_axes: bool,
         self_intersections: bool,
-        threads: int | None = None,
+        threads: int | None,
     ) -> str: ...
 
 @final
 class Made:
-    def report(self, mesh: Mesh, said: dict[str, Any], threads: int | None = None) -> str: ...
-    def measure(self, mesh: Mesh, threads: int | None = None) -> str: ...
+    def report(self, mesh: Mesh, said: dict[str, Any], threads: int | None) -> str: ...
+    def measure(self, mesh: Mesh, threads: int | None) -> str: ...
     def network(self) -> list[_Curves]: ...
 
 def shroud(

@@ -166,7 +166,8 @@ def voxelize(
     """
     if sum(choice is not None for choice in (size, spacing, like)) != 1:
         raise ValueError("give one of size, spacing and like")
-    mesh, axes, frame, unit = mesh_of(surface), "zyx", "unnamed", "unknown"
+    mesh, frame, unit = mesh_of(surface), "unnamed", "unknown"
+    axes: Axes = "zyx"
     if like is not None:
         nz, ny, nx = in_z_y_x(like.values, like.axes).shape
         affine, dims = index_to_world(None, None, like.affine), (nx, ny, nz)

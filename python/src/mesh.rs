@@ -45,6 +45,9 @@ impl Mesh {
             let message = format!("a face names vertex {v}, but there are {count} vertices");
             return Err(PyValueError::new_err(message));
         }
+        if !normals.is_empty() && normals.len() != vertices.len() {
+            return Err(PyValueError::new_err("there must be one normal per vertex"));
+        }
         Ok(Self { mesh: TriMesh { vertices, triangles, normals } })
     }
 

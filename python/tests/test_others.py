@@ -38,7 +38,7 @@ def test_check_finds_what_is_wrong(program, body, tmp_path):
         (np.zeros((3, 3)), [[0.0, 1, 2]], "whole numbers"),
         (np.zeros((3, 3)), [[0, 1, 3]], "beyond the 3"),
         (np.zeros((3, 3)), [[0, 1, -1]], "beyond the 3"),
-        (np.full((3, 3), np.nan), [[0, 1, 2]], "not finite"),
+        (np.full((3, 3), np.nan), [[0, 1, 2]], "all must be below"),
     ],
 )
 def test_what_is_no_mesh_is_refused(vertices, faces, message):
@@ -60,7 +60,6 @@ def test_measures_are_those_of_the_program(program, body, tmp_path):
     of_mesh = shrouds.measure(mesh)
     assert of_mesh["triangle_volume"] == pytest.approx(mesh.volume, rel=1e-9)
     assert of_mesh["triangle_area"] == pytest.approx(mesh.area, rel=1e-9)
-    assert of_mesh["volume_error"] is None if "volume_error" in of_mesh else True
 
 
 def test_comparisons_are_those_of_the_program(program, body, tmp_path):
@@ -68,10 +67,9 @@ def test_comparisons_are_those_of_the_program(program, body, tmp_path):
     energies = ["bending", "curvature(chord)"]
     printed = program(
         "compare", tmp_path / "body.npy", "--json",
-        *[f"--energy={energy}" for energy in energies],
-        "-o", tmp_path / "compare",
+        "--energies", ";".join(energies),
     )  # fmt: skip
-    theirs = {row["energy"]: row for row in json.loads(printed)["rows"]}
+    theirs = {row["energy"]: row for row in json.loads(printed)["energies"]}
     for ours in shrouds.compare(body, energies):
         row = theirs[ours["energy"]]
         assert ours.keys() <= row.keys()

@@ -88,10 +88,9 @@ def test_trimesh_says_watertight(body):
     assert mesh.is_watertight and mesh.is_winding_consistent and mesh.volume > 0
     assert mesh.euler_number == 2
     assert np.array_equal(mesh.faces, made.faces)
-    z, y, x = np.nonzero(body)
-    # What pyembree and rtree are not needed for: a ray along x from every tenth inside voxel.
-    assert made.report["checks"]["wrong_side"] == 0 and len(x) == made.report["input"]["inside"]
-    assert made.report["checks"]["ok"]
+    report = made.report
+    assert report["checks"]["ok"] and report["checks"]["wrong_side"] == 0
+    assert report["input"]["inside"] == body.sum()
 
 
 def test_the_same_bits_on_any_number_of_threads(gyroid):
@@ -218,6 +217,8 @@ def test_napari_gets_z_y_x(body):
 def test_all_formats_are_written(body, tmp_path, ending):
     made = shrouds.shroud(body)
     made.save(tmp_path / f"body.{ending}")
+    if ending == "3mf":
+        pytest.importorskip("lxml")
     if ending != "vtp":
         mesh = trimesh.load(tmp_path / f"body.{ending}", force="mesh")
         assert len(mesh.faces) == len(made.faces)
