@@ -37,12 +37,14 @@ pub mod measure;
 pub mod check;
 pub mod voxelize;
 mod pipeline;
+pub mod live;
 pub mod contact;
 pub mod polygon;
 pub mod containment;
 
 pub use error::Error;
 pub use grid::Grid;
+pub use live::LiveShroud;
 pub use mesh::TriMesh;
 pub use pipeline::{Settings, Shroud, Times, shroud, shroud_observed};
 pub use volume::{Occupancy, Select};

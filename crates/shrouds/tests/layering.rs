@@ -54,6 +54,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "vector",
         ],
     ),
+    ("live", &["grid", "volume", "surface", "network", "optimize", "mesh", "pipeline", "error"]),
     ("containment", &["grid", "volume", "error", "parallel", "random", "vector"]),
     // The judge shares nothing with what it judges.
     ("check", &["grid", "volume", "mesh", "error", "parallel"]),

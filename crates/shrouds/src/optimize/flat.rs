@@ -34,6 +34,20 @@ pub(super) fn flatness(surface: &Surface) -> Vec<f32> {
     flatness
 }
 
+/// Of the vertex of a grid edge, the farthest lattice points that its flatness depends on, along the axes
+/// of its terrace, and across.
+pub(super) const FARTHEST: usize = 2 * LONGEST + 3;
+pub(super) const ACROSS: usize = 3;
+
+/// [`flatness`] of the vertices on some grid edges.
+pub(super) fn flatness_of(
+    surface: &Surface,
+    crossings: impl Iterator<Item = Crossing>,
+) -> Vec<f32> {
+    let lattice = Lattice::of(surface);
+    crossings.map(|crossing| Terrace::of(&lattice, crossing).flatness()).collect()
+}
+
 /// The lattice points as one string of bits.
 struct Lattice<'a> {
     words: &'a [u64],

@@ -17,6 +17,7 @@ mod enclosed;
 mod flat;
 mod keep;
 mod level;
+mod local;
 mod model;
 mod newton;
 mod plan;
@@ -36,6 +37,7 @@ mod visit;
 
 pub use alone::minimise_vertex;
 pub use keep::keep_volumes;
+pub(crate) use local::{Local, flatness, update_flatness};
 pub use progress::{Observer, Positions, Progress};
 pub use report::{ComponentVolume, Report, Round, Status};
 pub use settings::{Crease, Preset, Settings, Solver, Start, VolumeRule};
@@ -86,7 +88,7 @@ pub fn optimize(
     if settings.volume == VolumeRule::Keep && surface.border() == Border::Open {
         return Err(settings::cannot_keep("free for an open border"));
     }
-    let flatness = flat::flatness(surface);
+    let flatness = flatness(surface);
     let energy = settings.energy();
     let Conditions { spacing, bounds, .. } = Conditions::new(surface, settings, &energy, &flatness);
     let x = start::positions(surface, &settings.start, spacing, bounds)?;

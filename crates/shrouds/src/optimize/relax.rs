@@ -9,13 +9,13 @@ use crate::optimize::problem::Conditions;
 use crate::optimize::progress::{Observer, Positions, Progress};
 use crate::optimize::real::Real;
 use crate::optimize::report::{Round, Stationarity, Status};
-use crate::optimize::tile::{Tile, TileRows, partition};
+use crate::optimize::tile::{Tile, everything, partition};
 use crate::optimize::visit::{Moment, Visit, Watch, visit};
 use crate::parallel;
 use crate::surface::Surface;
 
 /// Vertices per tile, about: enough that little is worked on twice, few enough for the cache.
-const TILE: usize = 50_000;
+pub(super) const TILE: usize = 50_000;
 /// Tiles worked on between two calls of the observer.
 const GROUP: usize = 8;
 
@@ -176,17 +176,25 @@ impl Work<'_> {
     ) -> Pass {
         let (surface, conditions, least) = (self.surface, self.conditions, self.least);
         if self.is_one_tile(x.len()) {
-            let tile = Tile::cut(surface, TileRows::all(surface));
-            let visit = visit(&tile, &conditions, passes, least, x, Some(watch));
+            let tile = Tile::cut(surface, everything(surface));
+            let visit = visit(
+                &tile,
+                &conditions,
+                passes,
+                least,
+                tile.read(x, R::from_f64(0.5)),
+                Some(watch),
+            );
             self.finish(&mut pass, &tile, visit, x);
             return pass;
         }
         let colours = partition(surface, TILE, shifted);
-        let groups: Vec<&[TileRows]> = colours.iter().flat_map(|c| c.chunks(GROUP)).collect();
+        let groups: Vec<_> = colours.iter().flat_map(|c| c.chunks(GROUP)).collect();
         for (done, tiles) in groups.iter().enumerate() {
             let found = parallel::blocks(tiles.len(), 1, |range| {
                 let tile = Tile::cut(surface, tiles[range.start].clone());
-                let visit = visit(&tile, &conditions, passes, least, x, None);
+                let visit =
+                    visit(&tile, &conditions, passes, least, tile.read(x, R::from_f64(0.5)), None);
                 (tile, visit)
             });
             for (tile, visit) in found {

@@ -3,9 +3,9 @@
 use std::ops::Range;
 
 use crate::network::Network;
-use crate::surface::Surface;
+use crate::surface::{Part, Surface};
 
-/// Lattice rows a tile holds beyond its own: three vertices away along a curve, and the upper ends of
+/// Lattice points a tile holds beyond its own along each axis: three vertices away along a curve, and the upper ends of
 /// grid edges.
 const BELOW: usize = 3;
 const ABOVE: usize = 4;
@@ -13,101 +13,66 @@ const ABOVE: usize = 4;
 /// Smallest edge of a tile in lattice rows; those around it are worked on twice.
 const MIN_EDGE: f64 = 24.0;
 
-/// The rows of a tile: those of some slices between two y indices, whole along x.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct TileRows {
-    pub(super) y: Range<usize>,
-    pub(super) z: Range<usize>,
-}
-
-impl TileRows {
-    /// The rows of a whole surface.
-    pub(super) fn all(surface: &Surface) -> Self {
-        let [_, ny, nz] = surface.grid().dims();
-        Self { y: 0..ny, z: 0..nz }
-    }
-}
-
-/// The curves through some lattice rows, with enough around them to know their energy.
+/// The curves through the lattice points of a box, with enough around them to know their energy.
 pub(super) struct Tile<'a> {
-    whole: &'a Surface,
-    rows: TileRows,
-    /// The piece of the volume, from lattice row and slice `first` on.
-    piece: Surface,
-    first: [usize; 2],
+    /// The lattice points where grid edges of the tile's own start.
+    own: Range3,
+    pub(super) part: Part<'a>,
     pub(super) network: Network,
 }
 
+/// A box of lattice points.
+type Range3 = [Range<usize>; 3];
+
+/// All lattice points of a surface.
+pub(super) fn everything(surface: &Surface) -> Range3 {
+    surface.grid().dims().map(|count| 0..count)
+}
+
 impl<'a> Tile<'a> {
-    pub(super) fn cut(whole: &'a Surface, rows: TileRows) -> Self {
-        let [_, ny, nz] = whole.grid().dims();
-        let widened = |own: &Range<usize>, count: usize| {
-            own.start.saturating_sub(BELOW)..count.min(own.end + ABOVE)
-        };
-        let (y, z) = (widened(&rows.y, ny), widened(&rows.z, nz));
-        let first = [y.start, z.start];
-        let piece = whole.crop(y, z);
-        let network = Network::trace(&piece);
-        Self { whole, rows, piece, first, network }
+    pub(super) fn cut(whole: &'a Surface, own: Range3) -> Self {
+        let dims = whole.grid().dims();
+        let widened = [0, 1, 2].map(|d| {
+            own[d].start.saturating_sub(BELOW)..dims[d].min(own[d].end.saturating_add(ABOVE))
+        });
+        let part = Part::cut(whole, &widened);
+        let network = Network::trace(&part.piece);
+        Self { own, part, network }
     }
 
-    /// What is known of the tile's vertices, from that of the whole surface; `missing` for grid edges
-    /// that leave the piece there and not in the surface.
-    pub(super) fn read<T: Copy>(&self, x: &[T], missing: T) -> Vec<T> {
-        let mut own = vec![missing; self.piece.vertex_count()];
-        self.for_each_row(|_, here, there| own[here].copy_from_slice(&x[there]));
-        own
+    /// What is known of the tile's vertices, from that of the whole surface.
+    pub(super) fn read<T: Copy>(&self, x: &[T], blank: T) -> Vec<T> {
+        self.part.read(x, blank)
     }
 
-    /// Puts what is known of the vertices of the tile's own rows to that of all.
+    /// Puts what is known of the tile's own vertices to that of all.
     pub(super) fn write<T: Copy>(&self, own: &[T], all: &mut [T]) {
-        self.for_each_row(|is_own, here, there| {
+        self.for_each_own(|here, there| all[there].copy_from_slice(&own[here]));
+    }
+
+    /// Calls `f` with the tile's own vertices, row by row, as numbered here and in the whole surface.
+    pub(super) fn for_each_own(&self, mut f: impl FnMut(Range<usize>, Range<usize>)) {
+        self.part.for_each_row(&self.own, |is_own, here, there| {
             if is_own {
-                all[there].copy_from_slice(&own[here]);
+                f(here, there);
             }
         });
     }
 
-    /// Which vertices belong to rows of others.
+    /// Which vertices belong to others.
     pub(super) fn is_fixed(&self) -> Vec<bool> {
-        let mut fixed = vec![true; self.piece.vertex_count()];
-        self.for_each_row(|is_own, here, _| fixed[here].fill(!is_own));
+        let mut fixed = vec![true; self.part.piece.vertex_count()];
+        self.part.for_each_row(&self.own, |is_own, here, _| fixed[here].fill(!is_own));
         fixed
-    }
-
-    /// Calls `f` with the vertices of every row, all at once or along each axis, as numbered here and
-    /// in the whole surface, and whether the row is the tile's own.
-    fn for_each_row(&self, mut f: impl FnMut(bool, Range<usize>, Range<usize>)) {
-        let [_, ny, nz] = self.piece.grid().dims();
-        for (k, j) in (0..nz).flat_map(|k| (0..ny).map(move |j| (k, j))) {
-            let here = self.piece.all_row_vertices(j, k);
-            if here.is_empty() {
-                continue;
-            }
-            let (y, z) = (self.first[0] + j, self.first[1] + k);
-            let is_own = self.rows.y.contains(&y) && self.rows.z.contains(&z);
-            let there = self.whole.all_row_vertices(y, z);
-            if here.len() == there.len() {
-                f(is_own, here, there);
-                continue;
-            }
-            // Grid edges leave the piece here.
-            for axis in 0..3 {
-                let here = self.piece.row_vertices(axis, j, k);
-                if !here.is_empty() {
-                    f(is_own, here, self.whole.row_vertices(axis, y, z));
-                }
-            }
-        }
     }
 }
 
 /// Cuts the lattice rows that the surface passes into tiles of about `vertices` vertices each, four
 /// colours of them: two tiles of one colour never touch. With `shifted` the borders run through the
 /// middles of the tiles without.
-pub(super) fn partition(surface: &Surface, vertices: usize, shifted: bool) -> [Vec<TileRows>; 4] {
-    let [_, ny, nz] = surface.grid().dims();
-    let mut colours: [Vec<TileRows>; 4] = Default::default();
+pub(super) fn partition(surface: &Surface, vertices: usize, shifted: bool) -> [Vec<Range3>; 4] {
+    let [nx, ny, nz] = surface.grid().dims();
+    let mut colours: [Vec<Range3>; 4] = Default::default();
     let count = surface.vertex_count().div_ceil(vertices);
     let occupied = surface.occupied_rows();
     // Square tiles over the rows between the first and the last with vertices.
@@ -123,7 +88,7 @@ pub(super) fn partition(surface: &Surface, vertices: usize, shifted: bool) -> [V
     let (y, z) = (cuts(&occupied[0], ny), cuts(&occupied[1], nz));
     for (b, z) in z.windows(2).enumerate() {
         for (a, y) in y.windows(2).enumerate() {
-            colours[a % 2 + 2 * (b % 2)].push(TileRows { y: y[0]..y[1], z: z[0]..z[1] });
+            colours[a % 2 + 2 * (b % 2)].push([0..nx, y[0]..y[1], z[0]..z[1]]);
         }
     }
     colours
@@ -148,8 +113,8 @@ mod tests {
                 let colours = partition(&surface, 3000, shifted);
                 assert!(colours.iter().flatten().count() > 1);
                 let mut held = vec![0; ny * nz];
-                for tile in colours.iter().flatten() {
-                    for (j, k) in tile.z.clone().flat_map(|k| tile.y.clone().map(move |j| (j, k))) {
+                for [_, y, z] in colours.iter().flatten() {
+                    for (j, k) in z.clone().flat_map(|k| y.clone().map(move |j| (j, k))) {
                         held[k * ny + j] += 1;
                     }
                 }
@@ -160,7 +125,7 @@ mod tests {
                             let gap = |a: &Range<usize>, b: &Range<usize>| {
                                 a.start.max(b.start).saturating_sub(a.end.min(b.end))
                             };
-                            let apart = gap(&a.y, &b.y).max(gap(&a.z, &b.z));
+                            let apart = gap(&a[1], &b[1]).max(gap(&a[2], &b[2]));
                             assert!(apart > BELOW + ABOVE, "{a:?} and {b:?}");
                         }
                     }
@@ -174,8 +139,13 @@ mod tests {
         for surface in surfaces() {
             let x: Vec<f32> = (0..surface.vertex_count()).map(|v| v as f32).collect();
             let mut back = vec![-1.0; x.len()];
-            for rows in partition(&surface, 3000, true).into_iter().flatten() {
-                let tile = Tile::cut(&surface, rows);
+            // Halves and a rest of rows too.
+            let cut = |[x, y, z]: Range3| {
+                let parts = [0..x.end / 2, x.end / 2..x.end - 9, x.end - 9..x.end];
+                parts.map(|x| [x, y.clone(), z.clone()])
+            };
+            for own in partition(&surface, 3000, true).into_iter().flatten().flat_map(cut) {
+                let tile = Tile::cut(&surface, own);
                 let own = tile.read(&x, -2.0);
                 assert_eq!(own.len(), tile.network.vertex_count());
                 tile.write(&own, &mut back);

@@ -27,6 +27,12 @@ impl Crossing {
         Self(self.0 | steps | inside_low << (3 * FIELD + 2))
     }
 
+    /// The same so many steps further along x, y and z.
+    #[inline]
+    pub(super) fn moved(self, [i, j, k]: [usize; 3]) -> Self {
+        Self(self.0 + (i as u64 | (j as u64) << FIELD | (k as u64) << (2 * FIELD)))
+    }
+
     /// Index `[i, j, k]` of the edge's low end in the surface's grid.
     #[inline]
     pub fn low(self) -> [usize; 3] {

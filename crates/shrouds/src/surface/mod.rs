@@ -16,10 +16,12 @@ mod cells;
 mod components;
 mod crossing;
 mod crossings;
+mod edit;
 mod extract;
 mod face_rule;
 mod faces;
 mod isosurface;
+mod part;
 mod patches;
 pub(crate) mod triangulation;
 
@@ -29,6 +31,7 @@ mod tests;
 pub use cell::LoopShape;
 pub use components::Components;
 pub use crossing::Crossing;
+pub(crate) use part::Part;
 
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -124,9 +127,9 @@ impl Surface {
         &self.volume
     }
 
-    /// The surface of the lattice points in some rows of some slices, as far as it lies between them.
-    pub(crate) fn crop(&self, rows: Range<usize>, slices: Range<usize>) -> Self {
-        extract::number(self.volume.crop_rows(rows, slices), self.face_rule, Border::Open).0
+    /// The surface of the lattice points in some ranges, as far as it lies between them.
+    pub(crate) fn crop(&self, ranges: &[Range<usize>; 3]) -> Self {
+        extract::number(self.volume.part(ranges), self.face_rule, Border::Open).0
     }
 
     /// The vertices of lattice row `(j, k)` on grid edges along an axis.
@@ -134,6 +137,25 @@ impl Surface {
         let stream = 3 * (k * self.grid().dims()[1] + j) + axis;
         let firsts = self.rows.as_flattened();
         firsts[stream] as usize..firsts[stream + 1] as usize
+    }
+
+    /// The number of the first vertex of lattice row `(j, k)` on a grid edge along an axis that starts at
+    /// index `x` or beyond, or that of the first one after the row's.
+    pub(crate) fn first_vertex_from(&self, axis: usize, j: usize, k: usize, x: usize) -> usize {
+        let vertices = self.row_vertices(axis, j, k);
+        if x == 0 || vertices.is_empty() {
+            return vertices.start;
+        }
+        let row = self.volume.row(j, k);
+        let [other_j, other_k] = [[j, k], [j + 1, k], [j, k + 1]][axis];
+        let other = self.volume.row(other_j, other_k);
+        let before = |w: usize| {
+            let other = if axis == 0 { bits::shifted(row, w) } else { other[w] };
+            ((row[w] ^ other) & bits::mask_below(x, w)).count_ones() as usize
+        };
+        let before: usize = (0..row.len().min(x.div_ceil(64))).map(before).sum();
+        // Along x a last point that is inside seems to differ from one beyond.
+        (vertices.start + before).min(vertices.end)
     }
 
     /// The vertices of lattice row `(j, k)` on grid edges along all axes, one axis after another.

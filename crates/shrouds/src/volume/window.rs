@@ -17,6 +17,21 @@ impl Occupancy {
         Ok(self.window(first, Self::empty(grid)))
     }
 
+    /// The same where the ranges are known to hold points of the lattice.
+    pub(crate) fn part(&self, ranges: &[Range<usize>; 3]) -> Self {
+        let [nx, ny, _] = self.grid().dims();
+        let [x, y, z] = ranges;
+        let first = [x, y, z].map(|range| range.start as isize);
+        let grid = self.grid().window(first, [x, y, z].map(|range| range.len()));
+        if *x != (0..nx) {
+            return self.window(first, Self::empty(grid));
+        }
+        let (words, per_row) = self.words();
+        let row = |j: usize, k: usize| (k * ny + j) * per_row;
+        let slices = z.clone().flat_map(|k| &words[row(y.start, k)..row(y.end, k)]);
+        Self::of_words(grid, slices.copied().collect())
+    }
+
     /// The same volume with `margin` layers of outside points around it.
     ///
     /// # Errors
@@ -75,7 +90,7 @@ impl Occupancy {
 }
 
 /// Bit `b` of `to` becomes bit `first + b` of `from`, 0 where there is none.
-fn copy_bits(from: &[u64], first: isize, to: &mut [u64]) {
+pub(super) fn copy_bits(from: &[u64], first: isize, to: &mut [u64]) {
     let shift = first.rem_euclid(64);
     let start = first.div_euclid(64);
     let word = |w: usize| from.get(w.wrapping_add_signed(start)).copied().unwrap_or(0);
