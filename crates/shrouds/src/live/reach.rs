@@ -5,7 +5,7 @@ use crate::surface::Surface;
 
 /// Lattice points around those that changed whose vertices are solved again: the most that have few enough
 /// vertices for an update to be done before the next picture.
-const MARGINS: [usize; 3] = [16, 12, 8];
+const MARGINS: [usize; 4] = [16, 12, 8, 6];
 const FEW: usize = 1600;
 /// The largest part of the vertices that is solved as a box of its own.
 const LARGEST_PART: f64 = 0.5;
