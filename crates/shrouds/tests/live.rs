@@ -211,8 +211,10 @@ fn what_does_not_fit_is_refused() {
     assert!(refused(|settings| settings.optimize.margin = 0.7));
 }
 
-/// Edits: a box by fractions of the volume, and what its points become.
-fn edits() -> impl Strategy<Value = Vec<([(f64, f64); 3], Vec<bool>)>> {
+/// A box by fractions of the volume, and what its points become.
+type Edit = ([(f64, f64); 3], Vec<bool>);
+
+fn edits() -> impl Strategy<Value = Vec<Edit>> {
     let side = || (0.0..1.0f64, 0.0..0.6f64);
     let bits = proptest::collection::vec(any::<bool>(), 1..60);
     proptest::collection::vec(([side(), side(), side()], bits), 1..6)

@@ -48,8 +48,9 @@ fn with_ball(volume: &Occupancy, centre: [usize; 3]) -> ([Range<usize>; 3], Occu
     });
     for k in region[2].clone() {
         for (i, j) in region[1].clone().flat_map(|j| region[0].clone().map(move |i| (i, j))) {
-            let away = [i, j, k].iter().zip(centre).map(|(x, centre)| x.abs_diff(centre).pow(2));
-            if away.sum::<usize>() <= RADIUS * RADIUS {
+            let point = [i, j, k];
+            let square: usize = (0..3).map(|d| point[d].abs_diff(centre[d]).pow(2)).sum();
+            if square <= RADIUS * RADIUS {
                 volume.set([i, j, k], true);
             }
         }
