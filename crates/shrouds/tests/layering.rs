@@ -46,6 +46,7 @@ const ARROWS: &[(&str, &[&str])] = &[
         "polygon",
         &["grid", "volume", "surface", "network", "optimize", "settings", "error", "vector"],
     ),
+    ("live", &["grid", "volume", "surface", "network", "optimize", "mesh", "settings", "error"]),
     ("containment", &["grid", "volume", "error", "parallel", "random", "vector"]),
     // The judge shares nothing with what it judges.
     ("check", &["grid", "volume", "mesh", "error", "parallel"]),

@@ -13,7 +13,7 @@ use shrouds::energy::{
     Variation,
 };
 use shrouds::network::Network;
-use shrouds::optimize::{Preset, Report, Settings, Solver, Start, Status, VolumeRule, optimize};
+use shrouds::optimize::{Preset, Report, Settings, Solver, Start, Status, optimize};
 use shrouds::surface::Surface;
 use shrouds::volume::{Border, FaceRule, phantom};
 use shrouds::{Error, Grid, Occupancy};

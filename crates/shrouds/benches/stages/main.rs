@@ -4,6 +4,8 @@
 //! `SHROUDS_BENCH_SIZES=256,512` takes these sizes instead of 64 and 128. Threads are as many as the
 //! machine has; `RAYON_NUM_THREADS=1` gives the time of one.
 
+mod containment;
+mod live;
 mod operations;
 mod presets;
 
@@ -156,6 +158,6 @@ criterion_group! {
         .sample_size(10)
         .warm_up_time(Duration::from_millis(300))
         .measurement_time(Duration::from_secs(1));
-    targets = stages, operations::operations
+    targets = stages, operations::operations, live::updates, containment::steps
 }
 criterion_main!(all);

@@ -91,7 +91,7 @@ impl<'a> Chunk<'a> {
         let known = layout.known(index);
         let first = known.each_ref().map(|range| range.start);
         let within = std::array::from_fn(|d| known[d].start - start[d]..known[d].end - start[d]);
-        let surface = Surface::of_piece(volume.cut_out(within), faces)?;
+        let surface = Surface::of_piece(volume.cut_out(&within), faces)?;
         Ok(Self { layout, index, volume, surface, first })
     }
 

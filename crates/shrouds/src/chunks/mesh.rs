@@ -32,7 +32,7 @@ impl ChunkMesh {
 impl Chunk<'_> {
     /// How many triangles the chunk has.
     pub fn triangle_count(&self) -> usize {
-        self.surface.crop(self.cells()).triangle_count()
+        self.surface.crop(&self.cells()).triangle_count()
     }
 
     /// The mesh of the chunk. `x`, `slopes` and `numbers` are those of the known vertices; of vertices
@@ -52,7 +52,7 @@ impl Chunk<'_> {
         let delta = self.piece().deltas(x);
         let cells = self.cells();
         let first = cells.each_ref().map(|range| range.start);
-        let surface = self.surface.crop(cells.clone());
+        let surface = self.surface.crop(&cells);
         let mut known = vec![0; surface.vertex_count()];
         surface.for_each_row_of(&self.surface, first, &cells, |here, there| {
             known[here].iter_mut().zip(there).for_each(|(v, known)| *v = known);

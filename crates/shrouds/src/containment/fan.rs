@@ -62,7 +62,9 @@ struct Tracer<'a> {
     heard: &'a Heard,
     sea: &'a Sea,
     step: f64,
+    /// Steps that rays are traced through, and how many of them come before all columns that are asked for.
     steps: usize,
+    before: usize,
     /// Horizontal distance to the farthest place of the sea.
     farthest: f64,
     /// Angle of a sector.
@@ -87,8 +89,11 @@ impl Fan {
             sectors: vec![Sector::default(); count],
         };
         let steps = (far(area) / step) as usize + 1;
+        let [near, _] = Column { area }.squares(heard.array.position);
+        // One less: rounding must not put a column before it.
+        let before = ((near.sqrt() / step) as usize).saturating_sub(1);
         let width = 2.0 * PI / count as f64;
-        let tracer = Tracer { heard, sea, step, steps, farthest, width };
+        let tracer = Tracer { heard, sea, step, steps, before, farthest, width };
         let needed = fan.sectors_of(&Column { area });
         let needed = needed.start / SECTORS..needed.end.div_ceil(SECTORS);
         let found = parallel::blocks(needed.len(), 1, |block| {
@@ -224,7 +229,8 @@ impl Tracer<'_> {
         let rays = left.reach.len() / self.steps / 2;
         let mut found = Stretches::default();
         let steps = left.reach.chunks_exact(2 * rays).zip(right.reach.chunks_exact(2 * rays));
-        for (step, (left, right)) in steps.enumerate() {
+        sector.ends.resize(self.before.min(self.steps), 0);
+        for (step, (left, right)) in steps.enumerate().skip(self.before) {
             found.clear();
             // Beams below the horizon, then those above it.
             for side in [0..rays, rays..2 * rays] {

@@ -25,6 +25,9 @@ const LONGEST: usize = 64;
 /// How far the lattice points lie that decide on the flatness of a vertex: to the end of a longest
 /// terrace and of the one behind it, seen from two steps away.
 pub(crate) const REACH: usize = 2 * LONGEST + 2;
+/// The same from the start of its grid edge, along the axes of its terrace, and across.
+pub(super) const FARTHEST: usize = REACH + 1;
+pub(super) const ACROSS: usize = 3;
 
 /// How surely every vertex lies on a flat face along the grid, from 0 to 1.
 pub(super) fn flatness(surface: &Surface) -> Vec<f32> {
@@ -46,6 +49,15 @@ pub(super) fn flatness_within(
         }
     });
     flatness
+}
+
+/// [`flatness`] of the vertices on some grid edges.
+pub(super) fn flatness_of(
+    surface: &Surface,
+    crossings: impl Iterator<Item = Crossing>,
+) -> Vec<f32> {
+    let lattice = Lattice::of(surface.volume());
+    crossings.map(|crossing| Terrace::of(&lattice, [0; 3], crossing).flatness()).collect()
 }
 
 /// The lattice points as one string of bits.

@@ -17,6 +17,7 @@ mod enclosed;
 mod flat;
 mod keep;
 mod level;
+mod local;
 mod model;
 mod names;
 mod newton;
@@ -38,6 +39,7 @@ mod visit;
 
 pub use alone::minimise_vertex;
 pub use keep::keep_volumes;
+pub(crate) use local::{Local, flatness, update_flatness};
 pub(crate) use pieces::{FLAT_REACH, FixedPass, KNOWN, Piece, fixed_passes};
 pub use progress::{Observer, Positions, Progress};
 pub(crate) use relax::EnergySum;
@@ -91,7 +93,7 @@ pub fn optimize(
     if settings.volume == VolumeRule::Keep && surface.border() == Border::Open {
         return Err(settings::cannot_keep("free for an open border"));
     }
-    let flatness = flat::flatness(surface);
+    let flatness = flatness(surface);
     let energy = settings.energy();
     let Conditions { spacing, bounds, .. } = Conditions::new(surface, settings, &energy, &flatness);
     let x = start::positions(surface, &settings.start, spacing, bounds)?;

@@ -15,7 +15,7 @@ use crate::parallel;
 use crate::surface::Surface;
 
 /// Vertices per tile, about: enough that little is worked on twice, few enough for the cache.
-const TILE: usize = 50_000;
+pub(super) const TILE: usize = 50_000;
 /// Tiles worked on between two calls of the observer.
 pub(super) const GROUP: usize = 8;
 
@@ -177,7 +177,8 @@ impl Work<'_> {
         let (surface, conditions, least) = (self.surface, self.conditions, self.least);
         if self.is_one_tile(x.len()) {
             let tile = Tile::cut(surface, TilePoints::all(surface));
-            let visit = visit(&tile, &conditions, passes, least, x, Some(watch));
+            let own = tile.read(x, R::from_f64(0.5));
+            let visit = visit(&tile, &conditions, passes, least, own, Some(watch));
             self.finish(&mut pass, &tile, visit, x);
             return pass;
         }
@@ -235,7 +236,8 @@ pub(super) fn visit_all<'a, R: Real>(
 ) -> Vec<(Tile<'a>, Visit<R>)> {
     parallel::blocks(tiles.len(), 1, |range| {
         let tile = Tile::cut(surface, tiles[range.start].clone());
-        let visit = visit(&tile, conditions, passes, least, x, None);
+        let own = tile.read(x, R::from_f64(0.5));
+        let visit = visit(&tile, conditions, passes, least, own, None);
         (tile, visit)
     })
 }

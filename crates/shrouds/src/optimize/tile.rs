@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::network::Network;
-use crate::surface::{Region, Surface};
+use crate::surface::{Part, Region, Surface};
 use crate::volume::Border;
 
 /// Lattice points a tile knows beyond those it may move: three vertices away along a curve, and the
@@ -30,45 +30,41 @@ impl TilePoints {
     }
 
     /// A tile that moves its own vertices only.
-    fn alone(own: Region) -> Self {
+    pub(super) fn alone(own: Region) -> Self {
         Self { free: own.clone(), own }
     }
 }
 
 /// The curves through some lattice points, with enough around them to know their energy.
 pub(super) struct Tile<'a> {
-    whole: &'a Surface,
     points: TilePoints,
-    /// The piece of the volume, and the first of its lattice points.
-    piece: Surface,
-    first: [usize; 3],
+    pub(super) part: Part<'a>,
     pub(super) network: Network,
 }
 
 impl<'a> Tile<'a> {
     pub(super) fn cut(whole: &'a Surface, points: TilePoints) -> Self {
-        let known = whole.widened(&points.free, [BELOW, ABOVE]);
-        let first = known.each_ref().map(|range| range.start);
-        let piece = whole.crop(known);
-        let network = Network::trace(&piece);
-        Self { whole, points, piece, first, network }
+        let part = Part::cut(whole, &whole.widened(&points.free, [BELOW, ABOVE]));
+        let network = Network::trace(&part.piece);
+        Self { points, part, network }
     }
 
     /// What is known of the tile's vertices, from that of the whole surface; `missing` for grid edges
-    /// that leave the piece there and not in the surface.
-    pub(super) fn read<T: Copy>(&self, x: &[T], missing: T) -> Vec<T> {
-        let mut own = vec![missing; self.piece.vertex_count()];
-        self.for_each_row(&self.whole.points(), |here, there| {
-            own[here].copy_from_slice(&x[there]);
-        });
-        own
+    /// that leave the tile there and not in the surface.
+    pub(super) fn read<T: Copy>(&self, all: &[T], missing: T) -> Vec<T> {
+        self.part.read(all, missing)
     }
 
     /// Puts what is known of the tile's own vertices to that of all.
     pub(super) fn write<T: Copy>(&self, own: &[T], all: &mut [T]) {
-        self.for_each_row(&self.points.own, |here, there| {
-            all[there].copy_from_slice(&own[here]);
-        });
+        self.part.write(&self.points.own, own, all);
+    }
+
+    /// The tile's own vertices, row by row, as numbered here and in the whole surface.
+    pub(super) fn own_rows(&self) -> Vec<[Range<usize>; 2]> {
+        let mut rows = Vec::new();
+        self.part.for_each_row(&self.points.own, |here, there| rows.push([here, there]));
+        rows
     }
 
     /// Which vertices must stay where they are.
@@ -82,15 +78,9 @@ impl<'a> Tile<'a> {
     }
 
     fn is_beyond(&self, points: &Region) -> Vec<bool> {
-        let mut beyond = vec![true; self.piece.vertex_count()];
-        self.for_each_row(points, |here, _| beyond[here].fill(false));
+        let mut beyond = vec![true; self.part.piece.vertex_count()];
+        self.part.for_each_row(points, |here, _| beyond[here].fill(false));
         beyond
-    }
-
-    /// Calls `f` with the vertices of every lattice row along every axis whose grid edges start at some
-    /// points, as numbered here and in the whole surface.
-    fn for_each_row(&self, points: &Region, f: impl FnMut(Range<usize>, Range<usize>)) {
-        self.piece.for_each_row_of(self.whole, self.first, points, f);
     }
 }
 
@@ -257,7 +247,7 @@ mod tests {
         let surface = Surface::extract(&volume, FaceRule::Separate, Border::Closed).unwrap();
         let of_whole = Tiling::of(&surface).tiles(&surface, &surface.points());
         let first = [40, 60, 0];
-        let piece = surface.crop([40..152, 60..140, 0..152]);
+        let piece = surface.crop(&[40..152, 60..140, 0..152]);
         let tiling = Tiling::of_piece([150; 3], 1, first);
         let of_piece = tiling.tiles(&piece, &[25..112, 5..69, 0..65]);
         let in_whole = of_piece.iter().map(|tile| {

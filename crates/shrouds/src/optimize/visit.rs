@@ -38,17 +38,16 @@ pub(super) struct Visit<R> {
     pub(super) is_cancelled: bool,
 }
 
-/// The steps of some passes, weights and barrier frozen anew for each. A pass ends early when a step
+/// The steps of some passes from `x`, weights and barrier frozen anew for each. A pass ends early when a step
 /// moves the vertices by less than `least`, their root mean square. `watch` is told after every step.
 pub(super) fn visit<R: Real>(
     tile: &Tile,
     conditions: &Conditions,
     passes: &[&[Effort]],
     least: f64,
-    x: &[R],
+    mut x: Vec<R>,
     mut watch: Option<&mut Watch<R>>,
 ) -> Visit<R> {
-    let mut x = tile.read(x, R::from_f64(0.5));
     let local = |factors: &[f32]| tile.read(factors, 0.0);
     let mut problem = Problem::new(&tile.network, conditions, local);
     problem.fix(tile.is_fixed());

@@ -27,11 +27,10 @@ impl Crossing {
         Self(self.0 | steps | inside_low << (3 * FIELD + 2))
     }
 
-    /// The same crossing on a lattice that begins `first` points earlier along x, y, z.
-    pub(crate) fn moved(self, first: [usize; 3]) -> Self {
-        let low = self.low();
-        let low = [0, 1, 2].map(|k| low[k] + first[k]);
-        Self::new(low, self.axis(), self.inside_low())
+    /// The same so many steps further along x, y and z.
+    #[inline]
+    pub(crate) fn moved(self, [i, j, k]: [usize; 3]) -> Self {
+        Self(self.0 + (i as u64 | (j as u64) << FIELD | (k as u64) << (2 * FIELD)))
     }
 
     /// Index `[i, j, k]` of the edge's low end in the surface's grid.

@@ -101,7 +101,7 @@ pub(super) fn count_layers(volume: &Occupancy, face_rule: FaceRule) -> Vec<(u32,
 
 /// Numbers the first crossings of the rows of a slice, as if there were none before it. Returns how
 /// many there are.
-fn number_rows(volume: &Occupancy, k: usize, rows: &mut [[u32; 3]]) -> u64 {
+pub(super) fn number_rows(volume: &Occupancy, k: usize, rows: &mut [[u32; 3]]) -> u64 {
     let [nx, ny, nz] = volume.grid().dims();
     let mut next = 0u64;
     for (j, first) in rows.iter_mut().enumerate() {
@@ -128,7 +128,7 @@ fn number_rows(volume: &Occupancy, k: usize, rows: &mut [[u32; 3]]) -> u64 {
 }
 
 /// Numbers of patches and of their fixed triangles in a layer.
-fn count_patches(volume: &Occupancy, layer: usize, table: &CellTable) -> (u32, usize) {
+pub(super) fn count_patches(volume: &Occupancy, layer: usize, table: &CellTable) -> (u32, usize) {
     let [nx, ny, _] = volume.grid().dims();
     let (mut patches, mut corners) = (0, 0);
     for j in 0..ny - 1 {

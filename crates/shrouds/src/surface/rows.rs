@@ -25,7 +25,7 @@ impl Surface {
     }
 
     /// The surface of some lattice points, as far as it lies between them.
-    pub(crate) fn crop(&self, points: Region) -> Self {
+    pub(crate) fn crop(&self, points: &Region) -> Self {
         extract::number(self.volume.cut_out(points), self.face_rule, Border::Open).0
     }
 

@@ -18,10 +18,18 @@ impl Occupancy {
     }
 
     /// The lattice points in ranges within the lattice, in their places in the world.
-    pub(crate) fn cut_out(&self, ranges: [Range<usize>; 3]) -> Self {
-        let first = ranges.each_ref().map(|range| range.start as isize);
-        let grid = self.grid().window(first, ranges.map(|range| range.len()));
-        self.window(first, Self::empty(grid))
+    pub(crate) fn cut_out(&self, ranges: &[Range<usize>; 3]) -> Self {
+        let [nx, ny, _] = self.grid().dims();
+        let [x, y, z] = ranges;
+        let first = [x, y, z].map(|range| range.start as isize);
+        let grid = self.grid().window(first, [x, y, z].map(|range| range.len()));
+        if *x != (0..nx) {
+            return self.window(first, Self::empty(grid));
+        }
+        let (words, per_row) = self.words();
+        let row = |j: usize, k: usize| (k * ny + j) * per_row;
+        let slices = z.clone().flat_map(|k| &words[row(y.start, k)..row(y.end, k)]);
+        Self::of_words(grid, slices.copied().collect())
     }
 
     /// Puts every lattice point inside that is inside `part`, whose first point is point `first` here;
@@ -101,7 +109,7 @@ impl Occupancy {
 }
 
 /// Bit `b` of `to` becomes bit `first + b` of `from`, 0 where there is none.
-fn copy_bits(from: &[u64], first: isize, to: &mut [u64]) {
+pub(super) fn copy_bits(from: &[u64], first: isize, to: &mut [u64]) {
     let shift = first.rem_euclid(64);
     let start = first.div_euclid(64);
     let word = |w: usize| from.get(w.wrapping_add_signed(start)).copied().unwrap_or(0);
