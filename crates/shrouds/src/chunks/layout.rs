@@ -25,7 +25,7 @@ impl Layout {
     /// [`Error::Setting`] when `edge` is another number or beyond 1024; [`Error::NoCells`] when an open
     /// border leaves no cell; [`Error::Dimensions`] when the lattice of a closed border is too large.
     pub fn new(voxels: Grid, border: Border, edge: usize) -> Result<Self, Error> {
-        if edge == 0 || edge % EDGE != 0 || edge > 16 * EDGE {
+        if edge == 0 || !edge.is_multiple_of(EDGE) || edge > 16 * EDGE {
             let range = "a multiple of 64 from 64 to 1024";
             return Err(Error::Setting { name: "chunk", value: edge.to_string(), range });
         }
