@@ -37,6 +37,7 @@ pub mod measure;
 pub mod check;
 pub mod voxelize;
 mod pipeline;
+pub mod materials;
 pub mod contact;
 pub mod polygon;
 pub mod containment;
