@@ -11,7 +11,9 @@ use crate::volume::Occupancy;
 /// Labels are kept as *ranks*: 0 for the background, the others from 1 on in ascending order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Labels {
-    /// That of the volume with one more layer on all sides.
+    /// That of the volume.
+    inner: Grid,
+    /// The same with one more layer on all sides.
     grid: Grid,
     /// The label of every rank.
     values: Vec<i64>,
@@ -29,12 +31,11 @@ impl Labels {
         let padded = grid.padded(1)?;
         let known = distinct(values);
         let mut ranks = vec![0; padded.point_count()];
-        let ([nx, ny, nz], [px, py, _]) = (grid.dims(), padded.dims());
+        let ([nx, ny, _], [px, py, _]) = (grid.dims(), padded.dims());
         let rank = |value: i64| known.binary_search(&value).map_or(0, |found| found as u32 + 1);
         let mut last = (0, 0);
         for (row, values) in values.chunks_exact(nx).enumerate() {
             let (j, k) = (row % ny, row / ny);
-            debug_assert!(k < nz);
             let start = ((k + 1) * py + j + 1) * px + 1;
             for (slot, &value) in ranks[start..start + nx].iter_mut().zip(values) {
                 let value = value.into();
@@ -45,7 +46,7 @@ impl Labels {
             }
         }
         let values = std::iter::once(0).chain(known).collect();
-        Ok(Self { grid: padded, values, ranks })
+        Ok(Self { inner: grid.clone(), grid: padded, values, ranks })
     }
 
     /// The labels by rank: the background, then the others that occur, ascending.
@@ -58,12 +59,18 @@ impl Labels {
         &self.grid
     }
 
-    /// The lattice points of a label, with those of the frame.
+    /// The lattice points of a label, on the grid of the volume.
     ///
     /// # Errors
-    /// None for a grid that labels could be put on.
+    /// None for labels that are on a grid already.
     pub fn occupancy(&self, rank: u32) -> Result<Occupancy, Error> {
-        Occupancy::from_slice(self.grid.clone(), &self.ranks, |found| found == rank)
+        let ([nx, ny, nz], strides) = (self.inner.dims(), self.strides());
+        let rows =
+            (1..=nz).flat_map(|k| (1..=ny).map(move |j| k * strides[2] + j * strides[1] + 1));
+        let is_own =
+            |start: usize| self.ranks[start..start + nx].iter().map(|&found| found == rank);
+        let inside: Vec<bool> = rows.flat_map(is_own).collect();
+        Occupancy::from_slice(self.inner.clone(), &inside, |inside| inside)
     }
 
     /// The number of lattice points of every rank, those of the frame left out.
