@@ -65,6 +65,14 @@ const ARROWS: &[(&str, &[&str])] = &[
             "vector",
         ],
     ),
+    // The flow again, with labels in place of bits.
+    (
+        "materials",
+        &[
+            "grid", "volume", "surface", "energy", "optimize", "mesh", "pipeline", "error",
+            "parallel", "random", "vector",
+        ],
+    ),
     // Of two bodies that touch: shrouds of their own, measured.
     ("contact", &["grid", "volume", "optimize", "mesh", "measure", "pipeline", "error"]),
 ];

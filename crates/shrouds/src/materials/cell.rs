@@ -12,6 +12,7 @@
 
 use crate::materials::face::{JUNCTION, segments};
 use crate::surface::cell::{edge_between, face_corners, loop_shape};
+use crate::vector::{Vector, add, cross, dot, length, scale, subtract};
 use crate::volume::FaceRule;
 
 /// A point of a cell: 0 to 11 the crossing on that edge, 12 to 17 the junction on face `2·axis + side`,
@@ -21,8 +22,11 @@ pub(super) type Node = u8;
 pub(super) const FIRST_JUNCTION: Node = 12;
 pub(super) const FIRST_INNER: Node = 18;
 
-/// How far from the hub to the corners of a region that is drawn off its cell point lies.
+/// How far on the way from the hub out of the cell the cell point of a region that is drawn off lies.
 const DRAWN: f64 = 0.3;
+/// The most directions that are tried for it, and the sine of the angle over all sides that is enough.
+const VIEWS: usize = 200;
+const WELL_SEEN: f64 = 0.05;
 
 /// A triangle between two labels, counter-clockwise seen from the second.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,35 +35,86 @@ pub(super) struct Triangle {
     pub(super) pair: [u32; 2],
 }
 
-/// What a cell point is the mean of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Where a cell point is to be.
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Inner {
     /// The junctions, a bit for each face: the mean of these is the hub.
     junctions: u8,
     /// The corners of the region that was drawn off, a bit for each; none for the hub itself.
     corners: u8,
+    /// The nodes around that region, clockwise seen from outside the cell.
+    border: Vec<Node>,
 }
 
 impl Inner {
-    /// Where it lies in the cell, whose junctions are at these places.
-    pub(super) fn place(self, junction: impl Fn(usize) -> [f64; 3]) -> [f64; 3] {
-        let hub = mean((0..6).filter(|face| self.junctions >> face & 1 == 1).map(junction));
-        if self.corners == 0 {
+    fn hub(junctions: u8) -> Self {
+        Self { junctions, corners: 0, border: Vec::new() }
+    }
+
+    /// The faces of the two junctions if it joins just these.
+    pub(super) fn line(&self) -> Option<[usize; 2]> {
+        let ends = [self.junctions.trailing_zeros(), 7 - self.junctions.leading_zeros()];
+        (self.corners == 0 && self.junctions.count_ones() == 2).then_some(ends.map(|n| n as usize))
+    }
+
+    /// Where it lies in the cell, whose other nodes are at these places.
+    ///
+    /// A region that is drawn off has its cell point on the way from the hub to where its whole border
+    /// can be seen from in one turn: then no triangle crosses another.
+    pub(super) fn place(&self, node: impl Fn(Node) -> Vector) -> Vector {
+        let junctions = (0..6).filter(|face| self.junctions >> face & 1 == 1);
+        let hub = mean(junctions.map(|face| node(FIRST_JUNCTION + face)));
+        if self.border.is_empty() {
             return hub;
         }
-        let corner = |c: usize| [c & 1, c >> 1 & 1, c >> 2 & 1].map(|x| x as f64);
-        let corners = mean((0..8).filter(|c| self.corners >> c & 1 == 1).map(corner));
-        std::array::from_fn(|a| hub[a] + DRAWN * (corners[a] - hub[a]))
+        let border: Vec<Vector> = self.border.iter().map(|&n| subtract(node(n), hub)).collect();
+        let next = border.iter().cycle().skip(1);
+        let sides: Vec<Vector> =
+            border.iter().zip(next).map(|(&a, &b)| unit(cross(b, a))).collect();
+        let corner = |c: usize| subtract([c & 1, c >> 1 & 1, c >> 2 & 1].map(|x| x as f64), hub);
+        let corners = (0..8).filter(|c| self.corners >> c & 1 == 1).map(corner);
+        let towards = view(&sides, unit(mean(corners)));
+        // Where the way leaves the cell.
+        let leaves = (0..3).map(|a| match towards[a] {
+            step if step > 0.0 => (1.0 - hub[a]) / step,
+            step => -hub[a] / step.min(-f64::MIN_POSITIVE),
+        });
+        add(hub, scale(towards, DRAWN * leaves.fold(f64::INFINITY, f64::min)))
     }
 }
 
-fn mean(points: impl Iterator<Item = [f64; 3]>) -> [f64; 3] {
+/// A direction that turns the same way around all these, if there is one: it starts with a guess and
+/// goes on towards the side that is seen worst.
+fn view(sides: &[Vector], guess: Vector) -> Vector {
+    let worst = |towards: Vector| {
+        let seen = sides.iter().map(|&side| (dot(towards, side), side));
+        seen.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default()
+    };
+    let (mut towards, mut best) = (guess, (worst(guess).0, guess));
+    for _ in 0..VIEWS {
+        let (seen, side) = worst(towards);
+        if seen > best.0 {
+            best = (seen, towards);
+        }
+        if best.0 > WELL_SEEN {
+            break;
+        }
+        towards = unit(add(towards, scale(side, 0.2)));
+    }
+    best.1
+}
+
+fn unit(vector: Vector) -> Vector {
+    scale(vector, 1.0 / length(vector).max(f64::MIN_POSITIVE))
+}
+
+fn mean(points: impl Iterator<Item = Vector>) -> Vector {
     let (mut sum, mut count) = ([0.0; 3], 0.0);
     for point in points {
-        sum = std::array::from_fn(|a| sum[a] + point[a]);
+        sum = add(sum, point);
         count += 1.0;
     }
-    sum.map(|x| x / count)
+    scale(sum, 1.0 / count)
 }
 
 /// The triangles and cell points of a cell.
@@ -123,11 +178,12 @@ impl Filling {
         let faces = part.iter().map(|edge| edge.ends[1]).filter(|&end| end >= FIRST_JUNCTION);
         let junctions = faces.fold(0, |bits, end| bits | 1 << (end - FIRST_JUNCTION));
         let hub = FIRST_INNER + self.inner.len() as Node;
-        self.inner.push(Inner { junctions, corners: 0 });
+        self.inner.push(Inner::hub(junctions));
         while let Some((label, region)) = region_to_draw_off(&part) {
             let apex = FIRST_INNER + self.inner.len() as Node;
             let corners = corners_of(&region, label, labels);
-            self.inner.push(Inner { junctions, corners });
+            let border = region.iter().map(|edge| edge.ends[0]).collect();
+            self.inner.push(Inner { junctions, corners, border });
             for &edge in &region {
                 self.push(apex, edge);
             }

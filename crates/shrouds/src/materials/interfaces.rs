@@ -161,17 +161,6 @@ impl Interfaces {
         found
     }
 
-    /// The crossings around a junction, in cyclic order; those of three are followed by `u32::MAX`.
-    pub(super) fn arms(&self, junction: Junction) -> [u32; 4] {
-        let (low, normal) = (junction.low.map(|x| x as usize), usize::from(junction.normal));
-        let mut arms = [u32::MAX; 4];
-        let found = segments(self.face_labels(normal, low), self.rule);
-        for (slot, segment) in arms.iter_mut().zip(found) {
-            *slot = self.point_at(normal, low, segment.ends[0]);
-        }
-        arms
-    }
-
     /// Calls `f` with all cells of a layer that an interface passes, in scan order: the lowest corner
     /// and the labels of the corners.
     pub(super) fn for_each_cell(&self, k: usize, mut f: impl FnMut([usize; 3], [u32; 8])) {

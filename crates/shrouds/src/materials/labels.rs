@@ -73,6 +73,35 @@ impl Labels {
         Occupancy::from_slice(self.inner.clone(), &inside, |inside| inside)
     }
 
+    /// The lattice points of each label but the background, each in the smallest box around them.
+    ///
+    /// # Errors
+    /// None for labels that are on a grid already.
+    pub fn occupancies(&self) -> Result<Vec<Occupancy>, Error> {
+        let [nx, ny, _] = self.grid.dims();
+        let mut boxes = vec![[[usize::MAX, 0]; 3]; self.values.len()];
+        for (row, ranks) in self.ranks.chunks_exact(nx).enumerate() {
+            let mut at = 0;
+            for same in ranks.chunk_by(|a, b| a == b) {
+                let ends =
+                    [[at, at + same.len()], [row % ny, row % ny + 1], [row / ny, row / ny + 1]];
+                for (own, [low, high]) in boxes[same[0] as usize].iter_mut().zip(ends) {
+                    *own = [own[0].min(low), own[1].max(high)];
+                }
+                at += same.len();
+            }
+        }
+        let occupancy = |(rank, ranges): (usize, [[usize; 2]; 3])| {
+            let grid = self.grid.crop(ranges.map(|[low, high]| low..high))?;
+            let [x, y, z] = ranges;
+            let rows = (z[0]..z[1]).flat_map(|k| (y[0]..y[1]).map(move |j| (k * ny + j) * nx));
+            let own = rows.flat_map(|row| &self.ranks[row + x[0]..row + x[1]]);
+            let inside: Vec<bool> = own.map(|&found| found as usize == rank).collect();
+            Occupancy::from_slice(grid, &inside, |inside| inside)
+        };
+        boxes.into_iter().enumerate().skip(1).map(occupancy).collect()
+    }
+
     /// The number of lattice points of every rank, those of the frame left out.
     pub fn counts(&self) -> Vec<u64> {
         let mut counts = vec![0; self.values.len()];

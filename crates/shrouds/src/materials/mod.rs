@@ -15,6 +15,7 @@ mod cell;
 mod face;
 mod interfaces;
 mod labels;
+mod lines;
 mod marks;
 mod mesh;
 mod model;

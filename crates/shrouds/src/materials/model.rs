@@ -1,5 +1,7 @@
 //! The Gauss–Newton model of the energy at one state: rows of derivatives and what follows from them.
 
+use crate::materials::interfaces::Interfaces;
+use crate::materials::lines::JunctionLines;
 use crate::materials::network::Network;
 use crate::materials::problem::{Problem, Row};
 use crate::parallel::{self, NONE};
@@ -9,6 +11,7 @@ pub(super) struct Model {
     rows: Vec<Row>,
     /// See [`Problem::linearise_touches`].
     seconds: Vec<[f32; 2]>,
+    lines: JunctionLines,
     /// The product of every row with a direction.
     products: Vec<[f32; 2]>,
     /// Half the derivatives of the energy, barrier included.
@@ -27,11 +30,12 @@ const SHARED_CAP: f64 = 0.01;
 const OWN_SHARE: f32 = 0.4;
 
 impl Model {
-    pub(super) fn new(network: &Network) -> Self {
+    pub(super) fn new(interfaces: &Interfaces, network: &Network) -> Self {
         let zeros = || vec![0.0; network.unknown_count()];
         Self {
             rows: vec![Row::default(); network.beside.len()],
             seconds: vec![[0.0; 2]; network.touches.len()],
+            lines: JunctionLines::trace(interfaces),
             products: vec![[0.0; 2]; network.beside.len()],
             gradient: zeros(),
             diagonal: zeros(),
@@ -44,7 +48,7 @@ impl Model {
     pub(super) fn linearise(&mut self, problem: &Problem, x: &[f64]) -> f64 {
         let energy = problem.linearise(x, &mut self.rows);
         problem.linearise_touches(x, &mut self.seconds);
-        energy + self.barrier(x)
+        energy + self.lines.linearise(x) + self.barrier(x)
     }
 
     /// Sets the strengths of the barrier by the energies in the rows: every unknown has a share of the
@@ -71,7 +75,7 @@ impl Model {
         let energy = parallel::sum_blocks(self.rows.len(), |range| {
             self.rows[range].iter().map(|row| f64::from(row.energy())).sum::<f64>()
         });
-        energy + self.barrier(x)
+        energy + self.lines.linearise(x) + self.barrier(x)
     }
 
     fn barrier(&self, x: &[f64]) -> f64 {
@@ -92,7 +96,7 @@ impl Model {
         parallel::update_blocks(&mut gradient, others, |first, gradient, [diagonal, stiffness]| {
             for n in 0..gradient.len() {
                 let i = first + n;
-                let (mut slope, mut square) = (0.0, 0.0);
+                let [mut slope, mut square] = self.lines.slopes(i);
                 self.for_each_derivative(network, i, |place, [a, b]| {
                     let [r, s] = self.rows[place].residual;
                     slope += a * r + b * s;
@@ -160,12 +164,13 @@ impl Model {
             let product = &mut self.products[touch.place as usize];
             *product = [0, 1].map(|r| product[r] + slope[r] * direction[unknown]);
         }
+        self.lines.multiply(direction);
         let model = &*self;
         parallel::update_blocks(image, NONE, |first, image, []| {
             let mut sum = 0.0;
             for (n, image) in image.iter_mut().enumerate() {
                 let i = first + n;
-                let mut value = model.stiffness[i] * direction[i];
+                let mut value = model.stiffness[i] * direction[i] + model.lines.image(i);
                 model.for_each_derivative(network, i, |place, [a, b]| {
                     let [r, s] = model.products[place];
                     value += a * r + b * s;

@@ -1,5 +1,6 @@
 //! Steps on all unknowns at once: Gauss–Newton with conjugate gradients, within the box.
 
+use crate::materials::interfaces::Interfaces;
 use crate::materials::model::Model;
 use crate::materials::network::{JUNCTION, Network};
 use crate::materials::problem::Problem;
@@ -9,7 +10,7 @@ use crate::parallel::{self, NONE};
 const MOST_OF_THE_WAY: f32 = 0.95;
 /// Chords shorter than this part of the smallest spacing, and turns with a cosine below, are looked at
 /// crossing by crossing: there the model is worth little.
-const SHORT_CHORD: f64 = 0.2;
+const SHORT_CHORD: f64 = 0.1;
 const SHARP_TURN: f64 = 0.3;
 /// What counts of a move at most, when the moves are judged.
 const FAR: f64 = 0.01;
@@ -41,10 +42,10 @@ pub(super) struct Step {
 }
 
 impl Newton {
-    pub(super) fn new(network: &Network, bounds: [f64; 2]) -> Self {
+    pub(super) fn new(interfaces: &Interfaces, network: &Network, bounds: [f64; 2]) -> Self {
         let zeros = || vec![0.0; network.unknown_count()];
         Self {
-            model: Model::new(network),
+            model: Model::new(interfaces, network),
             bounds,
             step: zeros(),
             residual: zeros(),

@@ -65,7 +65,7 @@ pub(super) fn optimize(interfaces: &Interfaces, settings: &Settings) -> Result<O
         interfaces,
         network: &network,
         settings,
-        newton: Newton::new(&network, bounds),
+        newton: Newton::new(interfaces, &network, bounds),
         report: Report::default(),
     };
     place_junctions(&solver.problem(Arc::new(Bending)), bounds, &mut x);

@@ -171,7 +171,8 @@ impl<'a> Problem<'a> {
     /// The energy at the places whose stencils have a crossing in them.
     pub(super) fn energy_around(&self, crossing: usize, x: &[f64]) -> f64 {
         let places = [2 * crossing, 2 * crossing + 1].map(|p| self.network.stencils_of(p));
-        let places = places.iter().flatten().flatten();
+        let last = if self.measure.support() == Support::NextTwo { 3 } else { 2 };
+        let places = places.iter().flatten().flatten().filter(|(_, slot)| *slot <= last);
         places.map(|&(place, _)| self.energy_at(place, x)).sum()
     }
 

@@ -7,7 +7,6 @@ use crate::materials::interfaces::Interfaces;
 use crate::materials::labels::Labels;
 use crate::materials::mesh::MaterialMesh;
 use crate::materials::optimize::{Optimum, Report, optimize};
-use crate::materials::span::span;
 use crate::optimize::{Preset, Start};
 use crate::pipeline::{self, Times};
 use crate::volume::{FaceRule, Occupancy};
@@ -106,7 +105,7 @@ pub fn shrouds(labels: Labels, settings: &Settings) -> Result<Shrouds, Error> {
     let interfaces = timed(&mut times.surface, || Interfaces::extract(labels, settings.faces))?;
     let Optimum { unknowns, slopes, report } =
         timed(&mut times.optimize, || optimize(&interfaces, settings))?;
-    let mesh = timed(&mut times.mesh, || span(&interfaces, &unknowns, &slopes));
+    let mesh = timed(&mut times.mesh, || MaterialMesh::span(&interfaces, &unknowns, &slopes));
     let (crossings, junctions) = (interfaces.crossings().len(), interfaces.junctions().len());
     Ok(Shrouds { mesh, report, times, crossings, junctions })
 }
@@ -119,8 +118,7 @@ fn of_two_labels(labels: &Labels, label: i64, settings: &Settings) -> Result<Shr
     let crossings = shroud.mesh.vertices.len();
     let mesh = MaterialMesh {
         pairs: vec![[label, 0]; shroud.mesh.triangles.len()],
-        vertices: shroud.mesh.vertices,
-        triangles: shroud.mesh.triangles,
+        surface: shroud.mesh,
         lines: Vec::new(),
     };
     let report = Report { status: shroud.report.status, passes };

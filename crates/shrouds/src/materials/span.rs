@@ -9,23 +9,36 @@ use crate::materials::mesh::MaterialMesh;
 use crate::mesh::fit::{Fit, Polygon};
 use crate::parallel;
 use crate::surface::cell::{LoopShape, table};
+use crate::vector::{add, subtract};
 
-/// The mesh of interfaces whose points and slopes are these, see
-/// [`Optimum`](crate::materials::Optimum).
-pub(super) fn span(interfaces: &Interfaces, unknowns: &[f64], slopes: &[[f32; 2]]) -> MaterialMesh {
-    let places = places(interfaces, unknowns);
-    let unit = interfaces.grid().min_spacing();
-    let scale = interfaces.grid().spacing().map(|spacing| spacing / unit);
-    let normals = normals(interfaces, slopes);
-    let frame = Frame { interfaces, places: &places, normals: &normals, scale };
-    let layers = interfaces.grid().dims()[2] - 1;
-    let pieces = parallel::blocks(layers, 8, |range| {
-        let mut piece = Piece { first: places.len() as u32, ..Piece::default() };
-        range.for_each(|layer| frame.add_layer(layer, &mut piece));
-        piece.fit.finish(&mut piece.triangles);
-        piece
-    });
-    join(interfaces, places.clone(), pieces)
+/// Layers of cells per piece of work.
+const LAYERS: usize = 8;
+
+impl MaterialMesh {
+    /// The mesh of interfaces whose points are at these places and whose curves have these slopes, see
+    /// [`Optimum`](crate::materials::Optimum). The slopes only choose among triangulations.
+    ///
+    /// # Panics
+    /// When there is not one unknown for each crossing and two for each junction, or one pair of slopes
+    /// for each crossing.
+    pub fn span(interfaces: &Interfaces, unknowns: &[f64], slopes: &[[f32; 2]]) -> Self {
+        let (crossings, junctions) = (interfaces.crossings().len(), interfaces.junctions().len());
+        assert_eq!(unknowns.len(), crossings + 2 * junctions, "all unknowns");
+        assert_eq!(slopes.len(), crossings, "the slopes of every crossing");
+        let places = places(interfaces, unknowns);
+        let unit = interfaces.grid().min_spacing();
+        let scale = interfaces.grid().spacing().map(|spacing| spacing / unit);
+        let normals = normals(interfaces, slopes);
+        let frame = Frame { interfaces, places: &places, normals: &normals, scale };
+        let layers = interfaces.grid().dims()[2] - 1;
+        let pieces = parallel::blocks(layers, LAYERS, |range| {
+            let mut piece = Piece { first: places.len() as u32, ..Piece::default() };
+            range.for_each(|layer| frame.add_layer(layer, &mut piece));
+            piece.fit.finish(&mut piece.triangles);
+            piece
+        });
+        join(interfaces, places, pieces)
+    }
 }
 
 /// Places of crossings and junctions, in units of the index.
@@ -96,15 +109,15 @@ fn join(interfaces: &Interfaces, mut places: Vec<[f64; 3]>, pieces: Vec<Piece>) 
         shift_all(piece.triangles.as_flattened_mut());
         shift_all(piece.lines.as_flattened_mut());
         places.append(&mut piece.inner);
-        mesh.triangles.append(&mut piece.triangles);
+        mesh.surface.triangles.append(&mut piece.triangles);
         mesh.lines.append(&mut piece.lines);
         mesh.pairs.extend(piece.pairs.iter().map(|pair| pair.map(|rank| names[rank as usize])));
     }
     let grid = interfaces.grid();
     parallel::update(&mut places, |_, place| *place = grid.point(*place));
-    mesh.vertices = places;
+    mesh.surface.vertices = places;
     if grid.is_mirrored() {
-        parallel::update(&mut mesh.triangles, |_, triangle| triangle.swap(1, 2));
+        parallel::update(&mut mesh.surface.triangles, |_, triangle| triangle.swap(1, 2));
     }
     mesh
 }
@@ -175,20 +188,22 @@ impl Frame<'_> {
         }
         piece.lines.extend(filling.lines.iter().map(|line| line.map(point)));
         let low = low.map(|index| index as f64);
-        let junction = |face: usize| {
-            let place = self.places[point(FIRST_JUNCTION + face as Node) as usize];
-            std::array::from_fn(|a| place[a] - low[a])
-        };
         for inner in &filling.inner {
-            let place = inner.place(junction);
-            piece.inner.push(std::array::from_fn(|a| low[a] + place[a]));
+            let place = inner.place(|node| {
+                let point = point(node) as usize;
+                let known = piece.first as usize;
+                let place =
+                    if point < known { self.places[point] } else { piece.inner[point - known] };
+                subtract(place, low)
+            });
+            piece.inner.push(add(low, place));
         }
     }
 }
 
 /// The labels of a cell by their order, from 1 on, so that pairs ascend: the background is the last.
 /// With the ranks that the numbers stand for.
-fn order(labels: [u32; 8]) -> ([u8; 8], [u32; 9]) {
+pub(super) fn order(labels: [u32; 8]) -> ([u8; 8], [u32; 9]) {
     let key = |label: u32| label.wrapping_sub(1);
     let digits = labels.map(|label| {
         let before = |n: usize| key(labels[n]) < key(label) && !labels[..n].contains(&labels[n]);
@@ -222,6 +237,3 @@ impl Polygon for Loop<'_> {
         (place, self.frame.normals[v])
     }
 }
-
-#[cfg(test)]
-mod tests;
