@@ -1,4 +1,5 @@
-//! Interfaces of several labels against their formulas: `cargo run --release --example materials`.
+//! Interfaces of several labels against their formulas: `cargo run --release --example materials`, with
+//! the lattice points along an axis (64 and 128 without).
 //!
 //! Every body is given by one function for each label; a point has the label whose function is least.
 //! The interface of two labels is where theirs are equal, and a junction line where three are. All
@@ -49,7 +50,8 @@ fn main() {
         "{:<10} {:>5} {:>8} | {:>8} {:>8} | {:>8}",
         "body", "size", "preset", "distance", "normal", "junction"
     );
-    for size in [64, 128] {
+    let sizes: Vec<usize> = std::env::args().skip(1).filter_map(|size| size.parse().ok()).collect();
+    for size in if sizes.is_empty() { vec![64, 128] } else { sizes } {
         for body in bodies(size) {
             let grid = Grid::new([size; 3], [1.0; 3]).expect("a small grid");
             let labels = Labels::new(&grid, &body.labels(size)).expect("a label everywhere");
@@ -108,19 +110,6 @@ fn bodies(size: usize) -> Vec<Body> {
         ),
         body("planes", [0.0, 120.0, 240.0].map(plane).to_vec(), 1),
         body("wedges", [0.0, 95.0, 215.0].map(plane).to_vec(), 1),
-        body(
-            "tee",
-            [10.0, 190.0, 100.0]
-                .map(plane)
-                .iter()
-                .zip([1.0, 1.0, 0.0])
-                .map(|(p, k)| {
-                    let slope = p.slope.map(|s| s * k);
-                    Function { slope, offset: -dot(slope, middle) - 0.0, ..Function::ZERO }
-                })
-                .collect(),
-            1,
-        ),
         body("voronoi", (0..12).map(site).collect(), 1),
     ]
 }

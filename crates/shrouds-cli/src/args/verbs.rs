@@ -114,15 +114,17 @@ pub(crate) struct MeshArgs {
     pub(crate) output: PathBuf,
     /// One mesh for each label but 0: to a folder, a file each, or all to one file, as objects of OBJ,
     /// GLB and 3MF, or told apart by the data `label` of PLY and VTP
-    #[arg(long = "labels", value_enum, value_name = "all", conflicts_with_all = ["labels", "threshold"])]
+    #[arg(long = "labels", value_enum, value_name = "all", group = "several",
+        conflicts_with_all = ["labels", "threshold"])]
     pub(crate) each: Option<Each>,
     /// The interfaces between all labels in one mesh, each there once and with both its labels, and the
     /// lines where three or more meet; to a folder, a closed mesh for each label but 0, whose triangles
     /// are those of its neighbours where they touch
-    #[arg(long, conflicts_with_all = ["each", "labels", "threshold", "rough", "certificate", "attributes"])]
+    #[arg(long, group = "several",
+        conflicts_with_all = ["each", "labels", "threshold", "rough", "certificate", "attributes"])]
     pub(crate) materials: bool,
     /// Format of the files in a folder
-    #[arg(long, value_name = "EXTENSION",
+    #[arg(long, value_name = "EXTENSION", requires = "several",
         value_parser = ["ply", "stl", "obj", "glb", "vtp", "3mf"], default_value = "ply",
         hide_default_value = false)]
     pub(crate) format: String,

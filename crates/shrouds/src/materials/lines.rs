@@ -13,6 +13,9 @@ use crate::parallel;
 
 /// What the bending of lines counts for each unit of that of planar curves.
 const WEIGHT: f64 = 1.0;
+/// Where the square of a chord falls below this, a line near a grid edge of the lattice, its direction
+/// tells little and the junction counts less.
+const SHORT: f64 = 0.05;
 const NONE: u32 = u32::MAX;
 
 /// The junctions before and after each on its line.
@@ -79,7 +82,8 @@ impl JunctionLines {
             let (before, after) = (chord(a, b), chord(b, c));
             let length = |v: [f64; 3]| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + 1e-12).sqrt();
             let (l0, l1) = (length(before), length(after));
-            let root = (2.0 * WEIGHT / (l0 + l1)).sqrt();
+            let shorter = l0.min(l1).powi(2);
+            let root = (2.0 * WEIGHT / (l0 + l1) * shorter / (shorter + SHORT)).sqrt();
             let residual = [0, 1, 2].map(|k| root * (after[k] / l1 - before[k] / l0));
             row.residual = residual.map(|r| r as f32);
             row.factors = [root / l0, -root / l0 - root / l1, root / l1].map(|f| f as f32);
