@@ -111,8 +111,7 @@ impl Interfaces {
         [crossing.inside(), crossing.outside()].map(|point| self.labels.ranks()[at(point)])
     }
 
-    /// What is left of the face normal to `normal` with this lowest corner: the labels of its corners
-    /// in cyclic order.
+    /// The labels of the corners of the face normal to `normal` with this lowest corner, in cyclic order.
     #[inline]
     fn face_labels(&self, normal: usize, low: [usize; 3]) -> [u32; 4] {
         let strides = self.labels.strides();

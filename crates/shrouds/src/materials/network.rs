@@ -104,8 +104,8 @@ impl Network {
         self.beside[place][1] & JUNCTION == 0
     }
 
-    /// The places in whose stencils a crossing stands that is at this place, each with the number of its point there:
-    /// that of its own, of the one before, of the one after, and of the one before the one before.
+    /// The places whose stencils a place stands in, with the number of its point there: its own, the one
+    /// before, the one after, and the one before the one before.
     #[inline]
     pub(super) fn stencils_of(&self, place: usize) -> [Option<(usize, usize)>; 4] {
         let [before, after] = self.beside[place];
