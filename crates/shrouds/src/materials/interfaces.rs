@@ -130,7 +130,7 @@ impl Interfaces {
         let mut start = low;
         start[v] += usize::from(end == 2);
         start[u] += usize::from(end == 1);
-        self.edges.number(if end % 2 == 0 { u } else { v }, start)
+        self.edges.number(if end & 1 == 0 { u } else { v }, start)
     }
 
     /// The points before and after a crossing on the planar curve in the plane normal to `normal`: it

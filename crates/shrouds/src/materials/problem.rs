@@ -96,10 +96,10 @@ impl<'a> Problem<'a> {
         for (lane, place) in places.enumerate() {
             let normal = self.normal(place);
             let points = self.network.stencil(place);
-            for n in 0..count {
-                let (point, moves) = self.point(points[n], normal, which, x);
+            for (n, point) in points.into_iter().enumerate().take(count) {
+                let (place, moves) = self.point(point, normal, which, x);
                 for a in 0..2 {
-                    stencils.points[n][a][lane] = point[a];
+                    stencils.points[n][a][lane] = place[a];
                     stencils.moves[n][a][lane] = moves[a];
                 }
             }
