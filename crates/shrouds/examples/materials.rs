@@ -170,7 +170,7 @@ impl Body {
                 continue;
             }
             let length = length(subtract(ends[1], ends[0]));
-            let squares: f64 = ends.map(|p| self.from_junction(p).powi(2)).iter().sum();
+            let squares: f64 = ends.map(|p| self.junction_distance(p).powi(2)).iter().sum();
             sum += 0.5 * length * squares;
             total += length;
         }
@@ -178,7 +178,7 @@ impl Body {
     }
 
     /// The distance from a point to where the three functions that are least there are equal.
-    fn from_junction(&self, start: Point) -> f64 {
+    fn junction_distance(&self, start: Point) -> f64 {
         let mut least: Vec<&Function> = self.functions.iter().collect();
         least.sort_by(|f, g| f.value(start).total_cmp(&g.value(start)));
         let [f, g, h] = [least[0], least[1], least[2]];
