@@ -35,7 +35,7 @@ pub use chunks::{ChunkRun, Totals};
 pub use error::Error;
 pub use mesh::{
     Attribute, Line, MeshFormat, MeshOptions, Part, Precision, mesh_format, read_mesh, write_lines,
-    write_lines_with, write_mesh, write_meshes,
+    write_lines_with, write_materials, write_mesh, write_meshes,
 };
 pub use stream::Progress;
 pub use volume::{

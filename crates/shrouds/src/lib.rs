@@ -41,6 +41,7 @@ mod settings;
 mod pipeline;
 pub mod chunks;
 pub mod live;
+pub mod materials;
 pub mod contact;
 pub mod polygon;
 pub mod containment;

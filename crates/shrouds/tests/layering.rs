@@ -61,6 +61,14 @@ const ARROWS: &[(&str, &[&str])] = &[
     // The story once more, for volumes that no memory holds.
     ("chunks", &["grid", "volume", "surface", "optimize", "mesh", "error"]),
     ("settings", &["volume", "energy", "optimize", "mesh", "choice", "error"]),
+    // The flow again, with labels in place of bits.
+    (
+        "materials",
+        &[
+            "grid", "volume", "surface", "energy", "optimize", "mesh", "pipeline", "error",
+            "parallel", "random", "vector",
+        ],
+    ),
     // Of two bodies that touch: shrouds of their own, measured.
     (
         "contact",

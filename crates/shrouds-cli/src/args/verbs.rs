@@ -33,6 +33,9 @@ Every label a mesh of its own, in a folder, and all of them in one file for a vi
   shrouds mesh organs.nii.gz --labels all -o organs
   shrouds mesh organs.nii.gz --labels all -o organs.glb
 
+The interfaces between all labels, which meet without gaps, and the areas of all contacts:
+  shrouds mesh organs.nii.gz --materials -o organs.vtp --report organs.json
+
 The same as near to the minimum as it gets, or else exit code 3:
   shrouds mesh organs.nii.gz --label 6 -o liver.ply --strict
 
@@ -107,16 +110,23 @@ pub(crate) struct DemoArgs {
 pub(crate) struct MeshArgs {
     /// The volume: a file, or a folder for formats that are one; see below
     pub(crate) input: PathBuf,
-    /// The mesh file to write: .ply, .stl, .obj, .glb, .vtp or .3mf. With --labels all also a folder,
-    /// which is made if need be
+    /// The mesh file to write: .ply, .stl, .obj, .glb, .vtp or .3mf. With --labels all and --materials also
+    /// a folder, which is made if need be
     #[arg(short, long, value_name = "MESH")]
     pub(crate) output: PathBuf,
     /// One mesh for each label but 0: to a folder, a file each, or all to one file, as objects of OBJ,
     /// GLB and 3MF, or told apart by the data `label` of PLY and VTP
-    #[arg(long = "labels", value_enum, value_name = "all", conflicts_with_all = ["labels", "threshold"])]
+    #[arg(long = "labels", value_enum, value_name = "all", group = "several",
+        conflicts_with_all = ["labels", "threshold"])]
     pub(crate) each: Option<Each>,
+    /// The interfaces between all labels in one mesh, each there once and with both its labels, and the
+    /// lines where three or more meet; to a folder, a closed mesh for each label but 0, whose triangles
+    /// are those of its neighbours where they touch
+    #[arg(long, group = "several",
+        conflicts_with_all = ["each", "labels", "threshold", "rough", "certificate", "attributes"])]
+    pub(crate) materials: bool,
     /// Format of the files in a folder
-    #[arg(long, value_name = "EXTENSION", requires = "each",
+    #[arg(long, value_name = "EXTENSION", requires = "several",
         value_parser = ["ply", "stl", "obj", "glb", "vtp", "3mf"], default_value = "ply",
         hide_default_value = false)]
     pub(crate) format: String,

@@ -17,6 +17,7 @@ mod figures;
 mod gallery;
 mod labels;
 mod lines;
+mod materials;
 mod measure;
 mod mesh;
 mod pack;

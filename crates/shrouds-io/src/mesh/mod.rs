@@ -2,6 +2,7 @@
 
 mod glb;
 mod lines;
+mod materials;
 mod obj;
 mod part;
 pub(crate) mod ply;
@@ -23,6 +24,7 @@ use crate::error::Error;
 use crate::volume::Frame;
 
 pub use lines::{Line, write_lines, write_lines_with};
+pub use materials::write_materials;
 pub use part::{Attribute, Part};
 
 use part::{Parts, check_mesh};

@@ -13,14 +13,14 @@ type Lanes = [f32; LANES];
 
 /// Polygons of 4, 5 or 6 corners on their way to triangles.
 #[derive(Default)]
-pub(super) struct Fit {
+pub(crate) struct Fit {
     quadrangles: Batch<4>,
     pentagons: Batch<5>,
     hexagons: Batch<6>,
 }
 
 /// One polygon.
-pub(super) trait Polygon {
+pub(crate) trait Polygon {
     /// Its corners as vertices.
     fn vertices(&self) -> &[u32];
     /// The place of corner `n` relative to one of them in any unit near their distances, and the unit
@@ -32,7 +32,7 @@ impl Fit {
     /// Cuts a polygon of 4 to 6 corners, any diagonals of which may be used. Its triangles go to
     /// `triangles` from `at` on, at the latest with [`Fit::finish`].
     #[inline]
-    pub(super) fn push(&mut self, polygon: &impl Polygon, at: usize, triangles: &mut [[u32; 3]]) {
+    pub(crate) fn push(&mut self, polygon: &impl Polygon, at: usize, triangles: &mut [[u32; 3]]) {
         match polygon.vertices().len() {
             4 => {
                 if self.quadrangles.push(polygon, at) {
@@ -53,7 +53,7 @@ impl Fit {
     }
 
     /// Cuts all that wait.
-    pub(super) fn finish(&mut self, triangles: &mut [[u32; 3]]) {
+    pub(crate) fn finish(&mut self, triangles: &mut [[u32; 3]]) {
         self.quadrangles.cut(quadrangle, triangles);
         self.pentagons.cut(pentagon, triangles);
         self.hexagons.cut(hexagon, triangles);

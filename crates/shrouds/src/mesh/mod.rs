@@ -3,7 +3,7 @@
 //! Uses: `grid`, `surface`, `network`.
 
 mod dual;
-mod fit;
+pub(crate) mod fit;
 mod midpoint;
 mod normals;
 mod primal;

@@ -2,13 +2,13 @@
 
 /// Word `w` of a row moved down by one bit: bit `i` is lattice point `i + 1`.
 #[inline]
-pub(super) fn shifted(row: &[u64], w: usize) -> u64 {
+pub(crate) fn shifted(row: &[u64], w: usize) -> u64 {
     row[w] >> 1 | row.get(w + 1).map_or(0, |next| next << 63)
 }
 
 /// The bits of word `w` that stand for indices below `end`.
 #[inline]
-pub(super) fn mask_below(end: usize, w: usize) -> u64 {
+pub(crate) fn mask_below(end: usize, w: usize) -> u64 {
     match end.saturating_sub(64 * w) {
         0 => 0,
         n if n >= 64 => u64::MAX,
@@ -18,7 +18,7 @@ pub(super) fn mask_below(end: usize, w: usize) -> u64 {
 
 /// The positions of the set bits of a word, lowest first.
 #[inline]
-pub(super) fn set_bits(mut word: u64) -> impl Iterator<Item = u32> {
+pub(crate) fn set_bits(mut word: u64) -> impl Iterator<Item = u32> {
     std::iter::from_fn(move || {
         (word != 0).then(|| {
             let bit = word.trailing_zeros();
@@ -30,6 +30,6 @@ pub(super) fn set_bits(mut word: u64) -> impl Iterator<Item = u32> {
 
 /// Number of set bits below `bit`, which is below 64.
 #[inline]
-pub(super) fn rank(word: u64, bit: u32) -> u32 {
+pub(crate) fn rank(word: u64, bit: u32) -> u32 {
     (word & ((1 << bit) - 1)).count_ones()
 }

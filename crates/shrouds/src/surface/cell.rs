@@ -70,13 +70,13 @@ impl LoopShape {
 
     /// The cell edges of the loop's corners.
     #[inline]
-    pub(super) fn edges(&self) -> &[u8] {
+    pub(crate) fn edges(&self) -> &[u8] {
         &self.edges
     }
 }
 
 /// The loops of all corner patterns under one face rule.
-pub(super) struct CellTable {
+pub(crate) struct CellTable {
     shapes: Vec<LoopShape>,
     /// Loops of pattern `p` are `shapes[starts[p]..starts[p + 1]]`.
     starts: [u16; 257],
@@ -87,7 +87,7 @@ pub(super) struct CellTable {
 impl CellTable {
     /// The loops of a cell with these inside corners (bit `c` for corner `c`).
     #[inline]
-    pub(super) fn loops(&self, corners: u8) -> &[LoopShape] {
+    pub(crate) fn loops(&self, corners: u8) -> &[LoopShape] {
         let pattern = usize::from(corners);
         &self.shapes[usize::from(self.starts[pattern])..usize::from(self.starts[pattern + 1])]
     }
@@ -116,7 +116,7 @@ impl CellTable {
 }
 
 /// The table of a face rule, made on first use.
-pub(super) fn table(rule: FaceRule) -> &'static CellTable {
+pub(crate) fn table(rule: FaceRule) -> &'static CellTable {
     static SEPARATE: LazyLock<CellTable> = LazyLock::new(|| CellTable::new(FaceRule::Separate));
     static JOIN: LazyLock<CellTable> = LazyLock::new(|| CellTable::new(FaceRule::Join));
     match rule {
@@ -126,7 +126,7 @@ pub(super) fn table(rule: FaceRule) -> &'static CellTable {
 }
 
 /// Corners of the face normal to `axis` at `side`, counter-clockwise seen from outside the cell.
-fn face_corners(axis: usize, side: usize) -> [usize; 4] {
+pub(crate) fn face_corners(axis: usize, side: usize) -> [usize; 4] {
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let mut corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(a, b)| side << axis | a << u | b << v);
     if side == 0 {
@@ -135,7 +135,8 @@ fn face_corners(axis: usize, side: usize) -> [usize; 4] {
     corners
 }
 
-fn edge_between(a: usize, b: usize) -> usize {
+/// The edge between two corners.
+pub(crate) fn edge_between(a: usize, b: usize) -> usize {
     let axis = (a ^ b).trailing_zeros() as usize;
     4 * axis + (a >> ((axis + 1) % 3) & 1) + 2 * (a >> ((axis + 2) % 3) & 1)
 }
@@ -171,7 +172,8 @@ fn trace_loops(pattern: u8, rule: FaceRule) -> Vec<Vec<u8>> {
     loops
 }
 
-fn loop_shape(edges: Vec<u8>, alone: bool) -> LoopShape {
+/// The shape of a loop; `alone` if there is no other in its cell.
+pub(crate) fn loop_shape(edges: Vec<u8>, alone: bool) -> LoopShape {
     let faces: Vec<u8> = edges.iter().map(|&e| faces_of_edge(usize::from(e))).collect();
     let mut legal = [0; MAX_CORNERS];
     for (i, row) in legal.iter_mut().enumerate().take(edges.len()) {

@@ -3,14 +3,14 @@
 /// A grid edge with one end inside and one end outside, packed into 64 bits.
 ///
 /// The edge runs from its *low* lattice point one step along its axis to its *high* one.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct Crossing(u64);
 
 const FIELD: u32 = 20;
 const MASK: u64 = (1 << FIELD) - 1;
 
 impl Crossing {
-    pub(super) fn new(low: [usize; 3], axis: usize, inside_low: bool) -> Self {
+    pub(crate) fn new(low: [usize; 3], axis: usize, inside_low: bool) -> Self {
         let [i, j, k] = low.map(|x| x as u64);
         Self(
             i | j << FIELD

@@ -10,8 +10,8 @@
 //!
 //! Uses: `grid`, `volume`.
 
-mod bits;
-mod cell;
+pub(crate) mod bits;
+pub(crate) mod cell;
 mod cells;
 mod components;
 mod crossing;

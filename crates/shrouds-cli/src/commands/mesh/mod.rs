@@ -2,6 +2,8 @@
 
 mod chunked;
 mod each;
+mod materials;
+mod materials_report;
 
 use std::path::Path;
 use std::time::Instant;
@@ -25,6 +27,9 @@ pub(crate) fn run(args: &MeshArgs, console: Console) -> Result<(), Failure> {
     let start = Instant::now();
     let mut job = Job::new(&args.shroud, args.volume.coordinates())?;
     let extras = Extras { network: false, attributes: args.attributes.clone() };
+    if args.materials {
+        return materials::run(args, &job, start, console);
+    }
     if args.each.is_some() {
         return each::run(args, &job, &extras, start, console);
     }

@@ -1,0 +1,202 @@
+//! `shrouds mesh --materials`: the interfaces of all labels of a volume in one mesh.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use shrouds::materials::{Labels, MaterialMesh, Settings, Shrouds, shrouds};
+use shrouds::{Grid, TriMesh};
+use shrouds_io::{Frame, MeshFormat, Part, mesh_format, write_materials, write_meshes};
+use shrouds_view::{Colours, LineSet, Scene};
+
+use super::check_files;
+use super::materials_report::{Given, Report};
+use crate::args::{Border, FrameChoice, MeshArgs, Solver, SurfaceKind, TriangleRule, VolumeRule};
+use crate::console::{Console, print_json};
+use crate::each::Target;
+use crate::failure::Failure;
+use crate::frame::{mesh_options, name, to_index};
+use crate::input;
+use crate::output::{make_folder, write_json, write_picture};
+use crate::picture::View;
+use crate::progress::Progress;
+use crate::settings::Job;
+
+pub(super) fn run(
+    args: &MeshArgs,
+    job: &Job,
+    start: Instant,
+    console: Console,
+) -> Result<(), Failure> {
+    refuse_other_settings(args)?;
+    let target = Target { output: &args.output, extension: &args.format, input: &args.input };
+    let is_folder = target.is_folder();
+    if !is_folder && mesh_format(&args.output)? == MeshFormat::Stl {
+        let message =
+            "STL has no place for labels; name a folder, or a .ply, .vtp, .glb, .obj or .3mf file";
+        return Err(Failure::Call(format!("{}: {message}", args.output.display())));
+    }
+    let files: &[&Path] = if is_folder { &[] } else { &[&args.output] };
+    check_files(args, files)?;
+    let progress = Progress::new(console.quiet);
+    let (lattice, frame, contents) = input::contents(&args.input, &args.volume, console)?;
+    let labels = labels(args, &lattice, &progress)?;
+    let read = start.elapsed().as_secs_f64();
+    progress.stage("optimising");
+    let mut made = shrouds(labels.clone(), &settings(job))?;
+    progress.stage("checking");
+    let names = contents.segments.iter().map(|segment| (segment.label, segment.name.clone()));
+    let names: BTreeMap<i128, String> = names.collect();
+    let given = Given {
+        input: &args.input,
+        lattice: &lattice,
+        frame: &frame,
+        labels: &labels,
+        names: &names,
+    };
+    let mut report = Report::new(&given, &made, job)?;
+    report.times.read = read;
+    progress.stage("writing");
+    let writing = Instant::now();
+    if let Some(path) = &args.picture {
+        draw(path, &made)?;
+    }
+    if job.frame == FrameChoice::Index {
+        to_index(&mut made.mesh.surface, &lattice);
+    }
+    let out = Out { target: &target, frame: name(job.frame, &frame), lattice: &lattice, job };
+    if is_folder {
+        out.write_folder(&made.mesh)?
+    } else {
+        out.write_file(&made.mesh, console)?
+    }
+    report.finish(writing, start);
+    if let Some(path) = &args.report {
+        write_json(path, &report)?;
+    }
+    drop(progress);
+    if args.json {
+        print_json(&report)?;
+    } else {
+        console.message(&report.summary(&args.output));
+    }
+    Ok(())
+}
+
+/// The interfaces have an energy and a solver of their own.
+fn refuse_other_settings(args: &MeshArgs) -> Result<(), Failure> {
+    let solve = &args.shroud.solve;
+    let given = [
+        (args.shroud.energy.is_some(), "--energy"),
+        (args.shroud.crease.is_some(), "--crease"),
+        (args.shroud.strict, "--strict"),
+        (solve.parameter.is_some(), "--parameter"),
+        (solve.solver != Solver::Newton, "--solver sweeps"),
+        (solve.volume != VolumeRule::Free, "--volume keep"),
+        (solve.border != Border::Closed, "--border open"),
+        (solve.surface != SurfaceKind::Primal, "--surface dual"),
+        (solve.triangles != TriangleRule::Fitted, "--triangles fixed"),
+    ];
+    match given.into_iter().find(|(is_given, _)| *is_given) {
+        None => Ok(()),
+        Some((_, flag)) => {
+            Err(Failure::Call(format!("--materials cannot go with {flag}; leave one of them out")))
+        }
+    }
+}
+
+fn settings(job: &Job) -> Settings {
+    let own = &job.settings.optimize;
+    Settings {
+        faces: job.settings.faces,
+        preset: own.preset,
+        start: own.start,
+        margin: own.margin,
+        tolerance: own.tolerance(),
+        max_iterations: own.max_iterations(),
+    }
+}
+
+fn labels(args: &MeshArgs, lattice: &Grid, progress: &Progress) -> Result<Labels, Failure> {
+    let volume = input::volume(&args.input, &args.volume, args.volume.layer(), progress)?;
+    let problem = |text: String| Failure::Undone(format!("{}: {text}", args.input.display()));
+    let values = volume.values.whole().ok_or_else(|| {
+        problem("the values are no labels; --materials wants whole numbers".into())
+    })?;
+    let labels = Labels::new(lattice, &values).map_err(|error| problem(error.to_string()))?;
+    match labels.values() {
+        [_] => Err(problem("all values are 0; check that this is the segmentation".into())),
+        _ => Ok(labels),
+    }
+}
+
+/// Where meshes go, and how.
+struct Out<'a> {
+    target: &'a Target<'a>,
+    frame: Frame,
+    lattice: &'a Grid,
+    job: &'a Job,
+}
+
+impl Out<'_> {
+    fn min_spacing(&self) -> f64 {
+        match self.job.frame {
+            FrameChoice::World => self.lattice.min_spacing(),
+            FrameChoice::Index => 1.0,
+        }
+    }
+
+    fn write_file(&self, mesh: &MaterialMesh, console: Console) -> Result<(), Failure> {
+        let path = self.target.output;
+        let (options, warning) = mesh_options(
+            &[&mesh.surface],
+            mesh_format(path)?,
+            self.frame.clone(),
+            self.min_spacing(),
+        );
+        warning.iter().for_each(|warning| console.warn(warning));
+        Ok(write_materials(path, mesh, &options)?)
+    }
+
+    /// A closed mesh for every label but 0.
+    fn write_folder(&self, mesh: &MaterialMesh) -> Result<(), Failure> {
+        make_folder(self.target.output)?;
+        for (label, closed) in mesh.closed_meshes().filter(|(label, _)| *label != 0) {
+            let path: PathBuf =
+                self.target.output.join(format!("label-{label}.{}", self.target.extension));
+            let (options, _) = mesh_options(
+                &[&closed],
+                mesh_format(&path)?,
+                self.frame.clone(),
+                self.min_spacing(),
+            );
+            let part = Part { name: "", label: Some(label), mesh: &closed, attributes: &[] };
+            write_meshes(&path, &[part], &options)?;
+        }
+        Ok(())
+    }
+}
+
+/// Draws the labels as seen from the background, each in its own colour, with the junction lines.
+fn draw(path: &Path, made: &Shrouds) -> Result<(), Failure> {
+    let mesh = &made.mesh;
+    let outer = mesh.surface.triangles.iter().zip(&mesh.pairs).filter(|(_, pair)| pair[1] == 0);
+    let (triangles, colours): (Vec<_>, Vec<_>) =
+        outer.map(|(triangle, pair)| (*triangle, colour(pair[0]))).unzip();
+    let outside =
+        TriMesh { triangles, normals: Vec::new(), vertices: mesh.surface.vertices.clone() };
+    let ends = |line: &[u32; 2]| line.map(|v| mesh.surface.vertices[v as usize]);
+    let lines = LineSet::new(mesh.lines.iter().map(ends).collect(), [20, 20, 20]);
+    let scene = Scene::new(&outside).colours(Colours::PerTriangle(&colours)).lines(&lines);
+    write_picture(path, &View::usual().draw_scene(&scene)?)
+}
+
+/// A colour for a label: hues a golden angle apart.
+fn colour(label: i64) -> [u8; 3] {
+    let hue = (label as f64 * 0.618_034).rem_euclid(1.0) * 6.0;
+    let light = 1.0 - 0.25 * ((label / 5).rem_euclid(3)) as f64 / 2.0;
+    [0.0, 4.0, 2.0].map(|shift| {
+        let distance = ((hue + shift).rem_euclid(6.0) - 3.0).abs() - 1.0;
+        (255.0 * light * (0.35 + 0.65 * distance.clamp(0.0, 1.0))) as u8
+    })
+}

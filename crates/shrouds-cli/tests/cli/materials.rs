@@ -1,0 +1,74 @@
+//! `mesh --materials`: the interfaces of all labels.
+
+use serde_json::json;
+use shrouds_io::read_mesh;
+
+use crate::common::{Folder, npy};
+
+const SIZE: usize = 20;
+
+/// A ball cut into three labels by two slanted planes.
+fn label(n: usize) -> u8 {
+    let [x, y, z] = [n % SIZE, n / SIZE % SIZE, n / SIZE / SIZE].map(|x| x as f64 - 9.6);
+    match () {
+        () if x * x + y * y + z * z > 55.0 => 0,
+        () if x + 0.3 * y - 0.2 * z < 0.4 => 4,
+        () if y - 0.4 * z < 0.7 => 1,
+        () => 9,
+    }
+}
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    let values: Vec<u8> = (0..SIZE.pow(3)).map(label).collect();
+    folder.file("labels.npy", &npy("|u1", "(20, 20, 20)", &values));
+    folder
+}
+
+#[test]
+fn one_mesh_has_every_interface_once_and_the_report_every_label_and_contact() {
+    let folder = folder();
+    folder.succeed("mesh labels.npy --materials -o all.ply --report all.json --picture all.png");
+    let report = folder.json("all.json");
+    for (check, count) in report["checks"].as_object().unwrap() {
+        assert_eq!(count, 0, "{check}");
+    }
+    let pairs: Vec<_> =
+        report["contacts"].as_array().unwrap().iter().map(|c| &c["labels"]).collect();
+    assert_eq!(json!(pairs), json!([[1, 0], [1, 4], [1, 9], [4, 0], [4, 9], [9, 0]]));
+    let labels = report["labels"].as_array().unwrap();
+    let volume: f64 = labels.iter().map(|label| label["volume"].as_f64().unwrap()).sum();
+    let ball = 4.0 / 3.0 * std::f64::consts::PI * 55f64.powf(1.5);
+    assert!((volume / ball - 1.0).abs() < 0.02, "{volume} {ball}");
+    // Half of all boundaries but those with the background.
+    let area = |of: &str| -> f64 {
+        report[of].as_array().unwrap().iter().map(|one| one["area"].as_f64().unwrap()).sum()
+    };
+    let contacts = report["contacts"].as_array().unwrap().iter();
+    let outer = contacts.filter(|c| c["labels"][1] == 0).map(|c| c["area"].as_f64().unwrap());
+    assert!((area("labels") - 2.0 * area("contacts") + outer.sum::<f64>()).abs() < 1e-6);
+    let triangles = report["topology"]["triangles"].as_u64().unwrap();
+    assert_eq!(folder.mesh("all.ply").triangles.len() as u64, triangles);
+    for name in ["all.vtp", "all.glb", "all.obj", "all.3mf"] {
+        folder.succeed(&format!("mesh labels.npy --materials -o {name}"));
+    }
+    assert_eq!(read_mesh(folder.path("all.obj")).unwrap().triangles.len() as u64, triangles);
+}
+
+#[test]
+fn the_closed_meshes_of_a_folder_are_certified_and_share_their_corners() {
+    let folder = folder();
+    folder.succeed("mesh labels.npy --materials -o organs --preset fast");
+    let places = |label: u8| -> std::collections::BTreeSet<[u64; 3]> {
+        let mesh = folder.mesh(&format!("organs/label-{label}.ply"));
+        mesh.vertices.iter().map(|place| place.map(f64::to_bits)).collect()
+    };
+    for label in [1, 4, 9] {
+        let file = format!("organs/label-{label}.ply");
+        folder.succeed(&format!("check {file} --volume labels.npy --label {label}"));
+    }
+    assert!(places(4).intersection(&places(1)).count() > 20);
+    assert_eq!(folder.run("mesh labels.npy --materials -o all.stl").code, 2);
+    assert_eq!(folder.run("mesh labels.npy --materials -o all.ply --energy linear").code, 2);
+    assert_eq!(folder.run("mesh labels.npy --materials --label 4 -o all.ply").code, 2);
+}

@@ -1,0 +1,133 @@
+//! The whole story in a few calls.
+
+use std::time::Instant;
+
+use crate::error::Error;
+use crate::materials::interfaces::Interfaces;
+use crate::materials::labels::Labels;
+use crate::materials::mesh::MaterialMesh;
+use crate::materials::optimize::{Optimum, Report, optimize};
+use crate::optimize::{Preset, Start};
+use crate::pipeline::{self, Times};
+use crate::volume::{FaceRule, Occupancy};
+
+/// What a caller can choose.
+#[derive(Debug, Clone)]
+pub struct Settings {
+    /// How a face is cut both of whose diagonals have a label each; the first label of the pair counts
+    /// as the inside. Default [`FaceRule::Separate`].
+    pub faces: FaceRule,
+    /// How much work goes into the minimum. Default [`Preset::Default`].
+    pub preset: Preset,
+    /// Where the crossings start. Default [`Start::Blur`].
+    pub start: Start,
+    /// All unknowns stay within `[margin, 1 − margin]`, so that no vertex touches a lattice point and no
+    /// junction the border of its face. Range [1e-6, 0.1]; default 0.002.
+    pub margin: f64,
+    /// [`Preset::Exact`] stops when the root mean square of a step, in edge lengths, falls to this.
+    /// Range (0, 1); default 5e-4.
+    pub tolerance: f64,
+    /// The most Gauss–Newton steps of [`Preset::Exact`] on its last energy. Default 100.
+    pub max_iterations: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            faces: FaceRule::default(),
+            preset: Preset::default(),
+            start: Start::default(),
+            margin: 0.002,
+            tolerance: 5e-4,
+            max_iterations: 100,
+        }
+    }
+}
+
+impl Settings {
+    pub(super) fn validate(&self) -> Result<(), Error> {
+        let refuse =
+            |name, value: f64, range| Err(Error::Setting { name, value: value.to_string(), range });
+        if !(1e-6..=0.1).contains(&self.margin) {
+            return refuse("margin", self.margin, "between 1e-6 and 0.1");
+        }
+        if !(self.tolerance > 0.0 && self.tolerance < 1.0) {
+            return refuse("tolerance", self.tolerance, "above 0 and below 1");
+        }
+        Ok(())
+    }
+
+    /// The same for the binary flow.
+    fn of_two_labels(&self) -> pipeline::Settings {
+        pipeline::Settings {
+            faces: self.faces,
+            optimize: crate::optimize::Settings {
+                preset: self.preset,
+                start: self.start,
+                margin: self.margin,
+                tolerance: Some(self.tolerance),
+                max_iterations: Some(self.max_iterations),
+                ..Default::default()
+            },
+            ..Default::default()
+        }
+    }
+}
+
+/// The interfaces of all labels of a volume.
+#[derive(Debug, Clone)]
+pub struct Shrouds {
+    /// The mesh of all interfaces.
+    pub mesh: MaterialMesh,
+    /// How the optimisation went.
+    pub report: Report,
+    /// How long each stage took.
+    pub times: Times,
+    /// Number of crossings.
+    pub crossings: usize,
+    /// Number of junction points.
+    pub junctions: usize,
+}
+
+/// The optimal interfaces between all labels of a volume.
+///
+/// A volume without labels gives an empty mesh. One with a single label besides the background gives
+/// what [`shroud`](crate::shroud) does, bit by bit.
+///
+/// # Errors
+/// Those of [`Interfaces::extract`]; [`Error::Setting`] when a setting is outside its range.
+pub fn shrouds(labels: Labels, settings: &Settings) -> Result<Shrouds, Error> {
+    settings.validate()?;
+    if let [_, label] = *labels.values() {
+        return of_two_labels(&labels, label, settings);
+    }
+    let mut times = Times::default();
+    let interfaces = timed(&mut times.surface, || Interfaces::extract(labels, settings.faces))?;
+    let Optimum { unknowns, slopes, report } =
+        timed(&mut times.optimize, || optimize(&interfaces, settings))?;
+    let mesh = timed(&mut times.mesh, || MaterialMesh::span(&interfaces, &unknowns, &slopes));
+    let (crossings, junctions) = (interfaces.crossings().len(), interfaces.junctions().len());
+    Ok(Shrouds { mesh, report, times, crossings, junctions })
+}
+
+/// Leaves a volume of one label and background to the binary flow.
+fn of_two_labels(labels: &Labels, label: i64, settings: &Settings) -> Result<Shrouds, Error> {
+    let volume: Occupancy = labels.occupancy(1)?;
+    let shroud = pipeline::shroud(&volume, &settings.of_two_labels())?;
+    let passes = shroud.report.rounds.into_iter().map(|round| round.energies).collect();
+    let crossings = shroud.mesh.vertices.len();
+    let mesh = MaterialMesh {
+        pairs: vec![[label, 0]; shroud.mesh.triangles.len()],
+        surface: shroud.mesh,
+        lines: Vec::new(),
+    };
+    let report = Report { status: shroud.report.status, passes };
+    Ok(Shrouds { mesh, report, times: shroud.times, crossings, junctions: 0 })
+}
+
+fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    let result = work();
+    *seconds = start.elapsed().as_secs_f64();
+    result
+}
