@@ -32,11 +32,11 @@ pub struct Files(Arc<Inner>);
 
 struct Inner {
     folder: TempDir,
-    state: Mutex<State>,
+    kept: Mutex<Kept>,
 }
 
 #[derive(Default)]
-struct State {
+struct Kept {
     /// Uploads that nobody has taken yet, by their number in the address.
     uploads: BTreeMap<String, Upload>,
     downloads: BTreeMap<String, Download>,
@@ -84,8 +84,8 @@ impl Drop for Upload {
 }
 
 impl Inner {
-    fn lock(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    fn lock(&self) -> MutexGuard<'_, Kept> {
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// A new folder with a random name, and that name.
@@ -104,7 +104,7 @@ fn no_room(cause: io::Error) -> Error {
 impl Files {
     pub(super) fn new() -> Result<Self, Error> {
         let folder = tempfile::Builder::new().prefix("shrouds-view-").tempdir().map_err(no_room)?;
-        Ok(Self(Arc::new(Inner { folder, state: Mutex::default() })))
+        Ok(Self(Arc::new(Inner { folder, kept: Mutex::default() })))
     }
 
     /// The upload with this number, which is the caller's from now on.
@@ -144,7 +144,11 @@ struct Coming {
 }
 
 impl Coming {
-    fn new(files: &Files, id_and_place: (String, Place), name: &str) -> Result<(String, Self), Error> {
+    fn new(
+        files: &Files,
+        id_and_place: (String, Place),
+        name: &str,
+    ) -> Result<(String, Self), Error> {
         let (id, place) = id_and_place;
         let path = place.0.join(name);
         let file = File::create(&path).map_err(no_room)?;
@@ -246,7 +250,7 @@ pub(super) async fn download(State(shared): State<Shared>, Path(id): Path<String
 fn pieces(mut file: File) -> impl Iterator<Item = io::Result<Bytes>> {
     std::iter::from_fn(move || {
         let mut piece = Vec::new();
-        match file.by_ref().take(PIECE as u64).read_to_end(&mut piece) {
+        match Read::by_ref(&mut file).take(PIECE as u64).read_to_end(&mut piece) {
             Ok(0) => None,
             Ok(_) => Some(Ok(piece.into())),
             Err(cause) => Some(Err(cause)),

@@ -132,7 +132,12 @@ impl Frame {
 
     /// An image in space: pixels across and down, the centres of its first pixel, of the last one of the
     /// first row and of the first one of the last row, then red, green, blue and opacity of each.
-    pub fn image(of: [u32; 2], size: [usize; 2], corners: [[f32; 3]; 3], pixels: &[[u8; 4]]) -> Self {
+    pub fn image(
+        of: [u32; 2],
+        size: [usize; 2],
+        corners: [[f32; 3]; 3],
+        pixels: &[[u8; 4]],
+    ) -> Self {
         let mut frame = Self::new(Kind::Image, of, pixels.len(), 8 + 36 + 4 * pixels.len());
         frame.words(size.map(|side| side as u32));
         frame.numbers(corners.into_iter().flatten());

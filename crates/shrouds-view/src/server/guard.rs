@@ -64,9 +64,9 @@ impl Guard {
     fn is_cookie(&self, value: &HeaderValue) -> bool {
         let pairs = value.to_str().unwrap_or("").split(';').filter_map(|pair| pair.split_once('='));
         let name = self.cookie_name();
-        pairs.map(|(name, value)| (name.trim(), value.trim())).any(|(given, token)| {
-            given == name && self.is_token(token)
-        })
+        pairs
+            .map(|(name, value)| (name.trim(), value.trim()))
+            .any(|(given, token)| given == name && self.is_token(token))
     }
 
     /// Takes as long wherever the first difference is.
@@ -146,16 +146,21 @@ mod tests {
     fn requests_need_host_origin_and_token() {
         let guard = Guard { port: 8000, token: "ab12".into() };
         let refusal = |headers: &[(HeaderName, &str)], uri: &'static str| {
-            let headers = headers.iter().map(|(name, value)| (name.clone(), value.parse().unwrap()));
+            let headers =
+                headers.iter().map(|(name, value)| (name.clone(), value.parse().unwrap()));
             guard.refusal(&headers.collect(), &Uri::from_static(uri)).map(|(status, _)| status)
         };
         let ours = (HOST, "127.0.0.1:8000");
-        assert_eq!(refusal(&[ours.clone()], "/?token=ab12"), None);
+        assert_eq!(refusal(std::slice::from_ref(&ours), "/?token=ab12"), None);
         assert_eq!(refusal(&[(HOST, "localhost:8000")], "/?a=b&token=ab12"), None);
         let cookie = (COOKIE, "x=1; shrouds-8000=ab12");
         assert_eq!(refusal(&[ours.clone(), cookie.clone()], "/"), None);
         for uri in ["/", "/?token=", "/?token=ab1", "/?token=ab123", "/?token=AB12"] {
-            assert_eq!(refusal(&[ours.clone()], uri), Some(StatusCode::FORBIDDEN), "{uri}");
+            assert_eq!(
+                refusal(std::slice::from_ref(&ours), uri),
+                Some(StatusCode::FORBIDDEN),
+                "{uri}"
+            );
         }
         let forbidden = Some(StatusCode::FORBIDDEN);
         assert_eq!(refusal(&[ours.clone(), cookie], "/?token=no"), forbidden);
