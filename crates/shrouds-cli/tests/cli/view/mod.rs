@@ -1,0 +1,5 @@
+//! `shrouds view`: the server, as a page and as those it must not let in see it.
+
+mod client;
+mod guard;
+mod work;
