@@ -6,6 +6,7 @@
 
 mod args;
 mod body;
+mod by_name;
 mod certificate;
 mod colouring;
 mod commands;

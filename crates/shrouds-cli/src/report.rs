@@ -4,11 +4,10 @@ use std::fs;
 use std::path::Path;
 
 use serde::Serialize;
-use shrouds::Grid;
 use shrouds::check::CheckReport;
-use shrouds::optimize::{self, ComponentVolume, Round};
+use shrouds::optimize::{self, ComponentVolume, Preset, Round};
+use shrouds::{Choice, Grid};
 
-use crate::args::Preset;
 use crate::console::plural;
 use crate::input::Source;
 use crate::settings::{Job, SettingsReport};
@@ -19,7 +18,7 @@ pub(crate) struct Report {
     pub(crate) input: Input,
     pub(crate) settings: SettingsReport,
     pub(crate) topology: Topology,
-    pub(crate) solver: Solver,
+    pub(crate) solver: SolverReport,
     pub(crate) geometry: Geometry,
     pub(crate) checks: Checks,
     pub(crate) times: Times,
@@ -60,7 +59,7 @@ pub(crate) struct Topology {
 }
 
 #[derive(Debug, Clone, Serialize)]
-pub(crate) struct Solver {
+pub(crate) struct SolverReport {
     pub(crate) status: &'static str,
     pub(crate) iterations: usize,
     pub(crate) energy: FirstLast,
@@ -184,7 +183,7 @@ impl Report {
             input: Input::new(source),
             settings: job.report.clone(),
             topology: Topology::new(checks),
-            solver: Solver::new(optimization),
+            solver: SolverReport::new(optimization),
             geometry: Geometry::new(source, checks),
             checks: Checks::new(checks),
             times: Times::new(source.seconds, times),
@@ -196,10 +195,9 @@ impl Report {
     /// In words, that the preset stopped before the minimum, and what is left, unless it is one that
     /// converges. Together the vertices would move farther than each one alone.
     pub(crate) fn shortfall(&self) -> Option<String> {
-        let preset = self.settings.preset.filter(|&preset| preset != Preset::Exact)?;
+        let preset = self.settings.preset.filter(|&preset| preset != Preset::Exact.name())?;
         Some(format!(
-            "--preset {} stopped after {}, before convergence: each vertex alone would still move {:.1e} voxels RMS",
-            preset.name(),
+            "--preset {preset} stopped after {}, before convergence: each vertex alone would still move {:.1e} voxels RMS",
             plural(self.solver.iterations, "iteration"),
             self.solver.projected_step.rms,
         ))
@@ -242,7 +240,7 @@ impl Topology {
     }
 }
 
-impl Solver {
+impl SolverReport {
     pub(crate) fn new(report: &optimize::Report) -> Self {
         let [first, last] = report.energy;
         Self {

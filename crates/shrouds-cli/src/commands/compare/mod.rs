@@ -8,8 +8,9 @@ use std::path::Path;
 use std::time::Instant;
 
 use serde::Serialize;
+use shrouds::optimize::{Preset, Solver};
 
-use crate::args::{CompareArgs, FrameChoice, Preset, SolveArgs, Solver};
+use crate::args::{CompareArgs, FrameChoice, SolveArgs};
 use crate::console::{Console, print_json};
 use crate::energies;
 use crate::failure::Failure;

@@ -11,10 +11,11 @@ use std::path::Path;
 use std::time::Instant;
 
 use shrouds::mesh::MeshKind;
+use shrouds::optimize::{Preset, Solver};
 use shrouds::{Grid, TriMesh};
 use shrouds_io::{Frame, read_mesh};
 
-use crate::args::{MeasureArgs, Preset, Solver};
+use crate::args::MeasureArgs;
 use crate::console::{Console, print_json};
 use crate::failure::Failure;
 use crate::input::{self, Kind};
