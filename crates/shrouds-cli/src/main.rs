@@ -19,7 +19,6 @@ mod frame;
 mod input;
 mod label_map;
 mod lines;
-mod measure;
 mod output;
 mod packed;
 mod picture;

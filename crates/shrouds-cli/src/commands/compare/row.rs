@@ -11,11 +11,11 @@ use super::Candidate;
 use crate::energies;
 use crate::failure::Failure;
 use crate::input::Source;
-use crate::measure::{difference, largest_move, roughness};
 use crate::progress::Progress;
 use crate::report::{FirstLast, RmsMax};
 use crate::truth::{Body, Errors};
 use crate::work;
+use shrouds_report::looks::{difference, largest_move, roughness};
 
 #[derive(Serialize)]
 pub(super) struct Row {

@@ -121,7 +121,7 @@ fn check_attributes(args: &MeshArgs, format: MeshFormat) -> Result<(), Failure> 
 fn summary(output: &Path, report: &Report) -> String {
     let (topology, geometry) = (&report.topology, &report.geometry);
     let shortfall = report.shortfall().map_or(String::new(), |text| format!("; {text}"));
-    let kept = report.solver.kept().map_or(String::new(), |text| format!("; {text}"));
+    let kept = report.kept().map_or(String::new(), |text| format!("; {text}"));
     format!(
         "{}: {} vertices, {} triangles, volume {}, area {}, {} of {} voxels on the wrong side, {:.2} s{kept}{shortfall}",
         output.display(),
