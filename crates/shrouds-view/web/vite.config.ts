@@ -9,8 +9,8 @@ export default defineConfig({
     chunkSizeWarningLimit: 900,
     rollupOptions: {
       output: {
+        codeSplitting: false,
         entryFileNames: "assets/page.js",
-        chunkFileNames: "assets/[name].js",
         assetFileNames: "assets/page[extname]",
       },
     },

@@ -126,8 +126,10 @@ export function decode(buffer: ArrayBuffer): Frame {
     case "triangles":
       return { kind, ...head, indices: reader.numbers(3 * count) };
     case "positions": {
-      const positions = reader.floats(3 * count);
-      return { kind, ...head, positions, indices: reader.numbers(Math.floor(reader.rest / 12) * 3) };
+      const vertices = reader.number();
+      const triangles = reader.number();
+      const positions = reader.floats(3 * vertices);
+      return { kind, ...head, positions, indices: reader.numbers(3 * triangles) };
     }
     case "lines": {
       const lengths = reader.numbers(reader.number());

@@ -3,9 +3,16 @@
 export interface Choice {
   default: string | number | null;
   help: string;
+  /** Where it stands among the others. */
+  order?: number;
   values?: { value: string; help: string }[];
   range?: [number, number];
+  /** Has no value: given or not. */
+  flag?: boolean;
 }
+
+/** What `open` reads. */
+export type Source = { demo: string; size?: number } | { path: string } | { upload: string };
 
 export interface Hello {
   version: string;
@@ -14,8 +21,8 @@ export interface Hello {
   parameters: string[];
   fields: { name: string; help: string }[];
   formats: string[];
-  demos: string[];
-  input: string | null;
+  demos: { name: string; size: number }[];
+  input: Source | null;
 }
 
 export interface Label {
@@ -37,7 +44,7 @@ export interface Volume {
   inside: number;
   labels: Label[] | null;
   range: [number, number] | null;
-  selected: { labels?: number[] | null; threshold?: [number | null, number | null] | null } | null;
+  selected: { labels?: number[] | null; threshold?: number | null } | null;
   warnings: string[];
 }
 
@@ -61,6 +68,9 @@ export interface SolverEvent {
   energy: number | null;
   gradient: number | null;
   largest_move: number | null;
+  /** What the stop rule looks at, and where it stops. */
+  change: number | null;
+  tolerance: number | null;
   seconds: number;
   share: number | null;
 }

@@ -15,7 +15,7 @@ export interface State {
   readonly second: string;
   /** Chosen labels with commas between; empty for what the file says. */
   readonly labels: string;
-  /** `LOW,HIGH`, either may be missing; empty for none. */
+  /** Inside is what lies above this; empty for none. */
   readonly threshold: string;
   readonly views: number;
   readonly active: number;

@@ -1,0 +1,300 @@
+// One visit: the volumes, the views and their solvers, as the program tells of them.
+
+import { Connection, type Framed } from "./connection.ts";
+import type { Answer, Frame } from "./frames.ts";
+import type { Hello, Numbers, Slot, SolverEvent, SolverState, Source, Surface, Volume } from "./protocol.ts";
+import { MOST_VIEWS, type Store } from "./state.ts";
+
+/** One point of the plots. */
+export interface Sample {
+  iteration: number;
+  energy: number | null;
+  gradient: number | null;
+  move: number | null;
+  change: number | null;
+}
+
+export interface View {
+  readonly index: number;
+  surface?: Surface;
+  state: SolverState | "empty" | "waiting";
+  status: string;
+  iteration: number;
+  seconds: number;
+  history: Sample[];
+  /** The message of the last request that failed. */
+  problem: string;
+  numbers?: Numbers | undefined;
+  /** Nothing more comes of this surface until it is asked for. */
+  settled: boolean;
+}
+
+/** What has changed. */
+export type Topic = "volumes" | "views" | "solver" | "started" | "settled" | "numbers" | "work" | "messages" | "rows";
+
+export interface Message {
+  level: "info" | "warning" | "error";
+  text: string;
+}
+
+/** Work without a known end is shown without a share. */
+export interface Work {
+  stage: string;
+  share: number | null;
+}
+
+/** Shows what comes in binary frames. */
+export interface Screen {
+  show(frame: Frame, drawn: () => void): void;
+  /** Another surface will come for the view. */
+  forget(view: number): void;
+}
+
+const RUN_DELAY = 120;
+
+export class Session {
+  hello!: Hello;
+  readonly volumes = new Map<Slot, Volume>();
+  readonly views: View[] = Array.from({ length: MOST_VIEWS }, (_, index) => emptyView(index));
+  readonly messages: Message[] = [];
+  readonly rows: Record<string, unknown>[] = [];
+  work: Work | undefined;
+  private readonly listeners: [Topic, () => void][] = [];
+  private readonly timers = new Map<number, ReturnType<typeof setTimeout>>();
+  private readonly generations = Array<number>(MOST_VIEWS).fill(0);
+
+  private constructor(
+    readonly store: Store,
+    private readonly screen: Screen,
+  ) {}
+
+  private connection!: Connection;
+
+  /** Connects and says hello. */
+  static async start(address: string, store: Store, screen: Screen): Promise<Session> {
+    const session = new Session(store, screen);
+    session.connection = await Connection.open(address, {
+      event: (name, event) => session.event(name, event),
+      frame: (frame) => session.frame(frame),
+      closed: (reason) => session.say("error", `${reason} Reload the page to go on: the address keeps your choices.`),
+      broken: (error) => session.say("error", `The program sent what this page cannot read: ${error.message}`),
+    });
+    session.hello = await session.request<Hello>("hello");
+    return session;
+  }
+
+  on(topic: Topic, listener: () => void): void {
+    this.listeners.push([topic, listener]);
+  }
+
+  request<T>(name: string, fields: Record<string, unknown> = {}): Promise<T> {
+    return this.connection.request<T>(name, fields);
+  }
+
+  framed<T, F extends Answer>(name: string, fields: Record<string, unknown>): Promise<Framed<T, F>> {
+    return this.connection.framedRequest<T, F>(name, fields);
+  }
+
+  say(level: Message["level"], text: string): void {
+    this.messages.push({ level, text });
+    if (this.messages.length > 50) this.messages.shift();
+    this.tell("messages");
+  }
+
+  /** Does it; what goes wrong is said to the user and nothing else. */
+  async attempt<T>(doing: () => Promise<T>): Promise<T | undefined> {
+    try {
+      return await doing();
+    } catch (error) {
+      this.say("error", (error as Error).message);
+      return undefined;
+    }
+  }
+
+  /** Shows what is being done; nothing when it is done. */
+  working(stage?: string, share: number | null = null): void {
+    this.work = stage === undefined ? undefined : { stage, share };
+    this.tell("work");
+  }
+
+  /** Reads a volume into a slot, and shrouds it anew in all views if it is the first slot's. */
+  async open(slot: Slot, source: Source, select?: Record<string, unknown>): Promise<void> {
+    this.working("opening");
+    const volume = await this.attempt(() => this.request<Volume>("open", { slot, source }));
+    const chosen = volume && select
+      ? await this.attempt(() => this.request<Volume>("select", { slot, ...select }))
+      : undefined;
+    this.working();
+    if (volume) this.took(chosen ?? volume);
+  }
+
+  /** Another choice of labels or of a threshold, or an operation: whatever answers with a volume. */
+  async change(name: string, fields: Record<string, unknown>): Promise<Volume | undefined> {
+    const volume = await this.attempt(() => this.request<Volume>(name, fields));
+    if (volume) this.took(volume);
+    return volume;
+  }
+
+  /** A volume as it is now. The views show the first slot. */
+  took(volume: Volume, again = true): void {
+    this.volumes.set(volume.slot, volume);
+    for (const warning of volume.warnings ?? []) this.say("warning", warning);
+    this.tell("volumes");
+    if (again && volume.slot === this.slot) this.shroudAll();
+  }
+
+  /** The volume after the brush, and the surfaces that took the place of those before. */
+  edited(volume: Volume, surfaces: readonly Surface[]): void {
+    this.took(volume, surfaces.length === 0);
+    for (const surface of surfaces) {
+      const model = this.views[surface.view];
+      if (model) Object.assign(model, { surface, settled: false, numbers: undefined, history: [] });
+    }
+    this.tell("started");
+    this.tell("views");
+  }
+
+  /** The slot that the views show. */
+  slot: Slot = "a";
+
+  /** Another slot in all views. */
+  look(slot: Slot): void {
+    this.slot = slot;
+    this.tell("volumes");
+    this.shroudAll();
+  }
+
+  get volume(): Volume | undefined {
+    return this.volumes.get(this.slot);
+  }
+
+  get active(): View {
+    return this.views[this.store.state.active] ?? this.views[0]!;
+  }
+
+  shroudAll(): void {
+    for (let view = 0; view < this.store.state.views; view++) void this.shroud(view);
+  }
+
+  /** As `shroud`, when nothing has changed for a moment. */
+  shroudSoon(view: number): void {
+    clearTimeout(this.timers.get(view));
+    this.timers.set(view, setTimeout(() => void this.shroud(view), RUN_DELAY));
+  }
+
+  /** A new surface with the settings of the view, and a run if everything is live. */
+  async shroud(view: number, more: Record<string, string> = {}): Promise<void> {
+    const model = this.views[view];
+    if (!model || !this.volume) return;
+    const generation = this.later(view);
+    Object.assign(model, { ...emptyView(view), state: "waiting" as const });
+    this.tell("views");
+    const settings = { ...this.store.state.settings[view], ...more };
+    try {
+      const fields = { view, slot: this.slot, settings };
+      const answer = await this.request<Surface | { surface: Surface }>("shroud", fields);
+      if (this.generations[view] !== generation) return;
+      model.surface = "surface" in answer ? answer.surface : answer;
+      if (model.state === "waiting") model.state = "paused";
+      this.tell("views");
+      if (this.store.state.live) await this.control(view, "run");
+    } catch (error) {
+      if (this.generations[view] !== generation) return;
+      model.state = "empty";
+      model.problem = (error as Error).message;
+      this.screen.forget(view);
+      this.tell("views");
+    }
+  }
+
+  /** Run, step, pause, reset or cancel. */
+  async control(view: number, what: "run" | "step" | "pause" | "reset" | "cancel"): Promise<void> {
+    const model = this.views[view];
+    if (!model?.surface) return;
+    if (what === "run" || what === "step") Object.assign(model, { settled: false, problem: "" });
+    if (what === "reset") Object.assign(model, { history: [], iteration: 0, numbers: undefined });
+    this.tell("solver");
+    this.tell("started");
+    await this.attempt(() => this.request(what, { view }));
+  }
+
+  private later(view: number): number {
+    this.generations[view] = (this.generations[view] ?? 0) + 1;
+    return this.generations[view] ?? 0;
+  }
+
+  private tell(topic: Topic): void {
+    for (const [asked, listener] of this.listeners) if (asked === topic) listener();
+  }
+
+  private frame(frame: Frame): void {
+    const model = this.views[frame.view];
+    if (!model) return;
+    this.screen.show(frame, () => {
+      if (frame.kind === "delta") {
+        this.connection.acknowledge(frame.view, frame.revision, model.iteration);
+      }
+    });
+  }
+
+  private event(name: string, event: Record<string, unknown>): void {
+    switch (name) {
+      case "solver":
+        return this.solver(event as unknown as SolverEvent);
+      case "settled":
+        return void this.settle(Number(event.view));
+      case "progress":
+        return this.working(String(event.stage), (event.share as number | null) ?? null);
+      case "message":
+        return this.say((event.level as Message["level"]) ?? "info", String(event.text));
+      case "row":
+        this.rows.push((event.row as Record<string, unknown> | undefined) ?? event);
+        return this.tell("rows");
+      default:
+        return;
+    }
+  }
+
+  private solver(event: SolverEvent): void {
+    const model = this.views[event.view];
+    if (!model) return;
+    const { iteration, energy, gradient, largest_move: move, change } = event;
+    Object.assign(model, {
+      state: event.state,
+      status: event.status ?? "",
+      iteration,
+      seconds: event.seconds,
+    });
+    if (energy !== null && model.history.at(-1)?.iteration !== iteration) {
+      model.history.push({ iteration, energy, gradient, move, change });
+    }
+    this.tell("solver");
+  }
+
+  private async settle(view: number): Promise<void> {
+    const model = this.views[view];
+    if (!model) return;
+    model.settled = true;
+    this.tell("solver");
+    this.tell("settled");
+    const revision = model.surface?.revision;
+    const numbers = await this.attempt(() => this.request<Numbers>("numbers", { view }));
+    if (!numbers || model.surface?.revision !== revision) return;
+    model.numbers = numbers;
+    this.tell("numbers");
+  }
+}
+
+function emptyView(index: number): View {
+  return {
+    index,
+    state: "empty",
+    status: "",
+    iteration: 0,
+    seconds: 0,
+    history: [],
+    problem: "",
+    numbers: undefined,
+    settled: false,
+  };
+}
