@@ -13,7 +13,7 @@ import { numbersPanel } from "./panels/numbers.ts";
 import { outPanel } from "./panels/out.ts";
 import { describe, layout, legend, makePanes } from "./panels/panes.ts";
 import { PickedPanel } from "./panels/picked.ts";
-import { seeingPanel } from "./panels/seeing.ts";
+import { seeingBar } from "./panels/seeing.ts";
 import { pointer } from "./pointer.ts";
 import { Stage } from "./scene/stage.ts";
 import { Session } from "./session.ts";
@@ -67,7 +67,8 @@ function build(session: Session, stage: Stage, canvas: HTMLCanvasElement, panes:
   part("bar").append(...bar(session, help));
   const picked = new PickedPanel(session, stage);
   part("left").append(...dataPanel(session), editingPanel(session), sonarPanel(session, stage), outPanel(session, stage));
-  part("right").append(...fairingPanel(session), seeingPanel(session), picked.element);
+  part("right").append(...fairingPanel(session), picked.element);
+  part("seeing").append(...seeingBar(session));
   part("numbers").append(...numbersPanel(session));
   describe(panes, session);
   let told = (): void => undefined;

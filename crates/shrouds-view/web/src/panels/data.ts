@@ -192,8 +192,9 @@ function together(session: Session): HTMLElement {
     if (second.value.trim()) void open(session, "b", second.value.trim());
   };
   second.addEventListener("keydown", (event) => event.key === "Enter" && opening());
-  const operations = ["union", "intersect", "subtract", "xor"].map((operation) =>
-    button(operation, () => void combine(session, operation), `A ${operation} B`),
+  const signs = { union: "A ∪ B", intersect: "A ∩ B", subtract: "A ∖ B", xor: "A ⊕ B" };
+  const operations = Object.entries(signs).map(([operation, sign]) =>
+    button(sign, () => void combine(session, operation), operation),
   );
   const by = el("input", { type: "number", step: 0.5, value: "1", title: "Distance in the unit of the file" });
   by.setAttribute("aria-label", "Distance of the offset");
@@ -219,7 +220,7 @@ function together(session: Session): HTMLElement {
     "Two volumes",
     row(el("span", { className: "grow" }, second), button("Open B", opening)),
     row(...operations),
-    row(offset, by, el("span", { className: "quiet" }, "grow (+), shrink (−)")),
+    row(offset, by, el("span", { className: "quiet" }, "− shrinks")),
     slots,
   );
 }

@@ -2,12 +2,11 @@
 
 import { button, bytes, compact, el, row } from "../dom.ts";
 import type { Session, View } from "../session.ts";
-import { stateText } from "./fairing.ts";
 
 const BITS = ["0", "1", "2", "4", "8"];
 const HEADINGS = [
-  "setting", "state", "energy", "vertices", "triangles", "volume", "area", "wrong side", "manifold", "parts",
-  "roughness", ...BITS.map((bits) => `${bits} bit`), "seconds",
+  "setting", "energy", "vertices", "triangles", "volume", "area", "wrong side", "manifold", "parts", "roughness",
+  ...BITS.map((bits) => `${bits} bit`), "seconds",
 ];
 
 export function numbersPanel(session: Session): HTMLElement[] {
@@ -41,7 +40,6 @@ function line(session: Session, view: View, active: boolean): HTMLElement {
   const wrong = numbers && numbers.wrong_side;
   const cells = [
     el("td", { title: title(session, view.index) }, title(session, view.index)),
-    cell(stateText(view)),
     cell(compact(history.at(-1)?.energy)),
     cell(compact(numbers?.vertices ?? surface?.vertices)),
     cell(compact(numbers?.triangles ?? surface?.triangles)),

@@ -13,7 +13,7 @@ interface Series {
 
 const ENERGY: Series[] = [{ name: "energy", text: "energy", colour: "--energy", dash: [] }];
 const MOVES: Series[] = [
-  { name: "move", text: "largest move", colour: "--move", dash: [] },
+  { name: "move", text: "move", colour: "--move", dash: [] },
   { name: "change", text: "change", colour: "--gradient", dash: [5, 3] },
   { name: "gradient", text: "gradient", colour: "--gradient", dash: [] },
 ];
@@ -86,7 +86,7 @@ function drawPlot(canvas: HTMLCanvasElement, history: readonly Sample[], series:
   pen.textBaseline = "middle";
   for (const tick of scale.ticks) {
     pen.fillStyle = colour("--quiet");
-    pen.fillText(compact(tick), LEFT - 5, y(tick));
+    pen.fillText(compact(Number(tick.toPrecision(3))), LEFT - 5, y(tick));
     pen.fillStyle = colour("--line");
     pen.fillRect(LEFT, y(tick), width - LEFT, 1);
   }
