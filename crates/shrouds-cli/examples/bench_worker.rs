@@ -159,8 +159,7 @@ fn kernel_midpoint(grid: &Grid, values: &[u8]) -> Done<TriMesh> {
 
 #[inline(never)]
 fn kernel_solve(surface: &Surface, settings: &Settings) -> Done<Optimum> {
-    let mut go_on = |_| ControlFlow::Continue(());
-    Ok(optimize(surface, &settings.optimize, &mut go_on)?)
+    Ok(optimize(surface, &settings.optimize, &mut |_| ControlFlow::Continue(()))?)
 }
 
 fn describe(answer: &mut Map<String, Value>, mesh: &TriMesh, report: &Report) {

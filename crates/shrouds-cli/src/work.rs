@@ -133,11 +133,17 @@ pub(crate) fn shroud(
     job: &Job,
     progress: &Progress,
 ) -> Result<Shroud, Failure> {
+    require_surface(volume, job)?;
+    shroud_with(volume, &job.settings, progress)
+}
+
+/// Fails for a full volume that ends nowhere.
+pub(crate) fn require_surface(volume: &Occupancy, job: &Job) -> Result<(), Failure> {
     if job.settings.border == Border::Open && volume.count() == volume.grid().point_count() as u64 {
         let message = "there is no surface: every voxel is inside and the border is open; use --border closed or select less";
         return Err(Failure::Undone(message.into()));
     }
-    shroud_with(volume, &job.settings, progress)
+    Ok(())
 }
 
 /// The shroud of a volume that has a surface, made with these settings.

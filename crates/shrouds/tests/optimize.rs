@@ -133,7 +133,7 @@ fn the_convex_energy_has_one_minimum_from_any_start() {
     };
     let first = from(Start::Blur);
     for start in [Start::Midpoint, Start::Inside, Start::Outside, Start::Random(1)] {
-        let difference = largest_difference(&first, &from(start));
+        let difference = largest_difference(&first, &from(start.clone()));
         assert!(difference < 1e-8, "{start:?} is {difference:e} away");
     }
 }
@@ -151,7 +151,7 @@ fn bending_ends_at_the_same_surface_from_any_start() {
         };
         let (first, energy) = from(Start::Blur);
         for start in [Start::Midpoint, Start::Random(1)] {
-            let (delta, other) = from(start);
+            let (delta, other) = from(start.clone());
             let squares: f64 = first.iter().zip(&delta).map(|(a, b)| (a - b).powi(2)).sum();
             let rms = (squares / delta.len() as f64).sqrt();
             assert!(rms < 1e-5, "{start:?}: root mean square {rms:e}");

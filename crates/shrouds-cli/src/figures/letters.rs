@@ -28,14 +28,14 @@ pub(super) fn figure(data: &Data) -> Result<Figure, Failure> {
     let text = letters(&grid, "ASU", middle, 0.34 * SIZE as f64, 2.0 * SIZE as f64)?;
     let volume = body.volume.combine(Operation::Intersect, &text)?;
 
-    let random = Start::Random(SEED);
-    let (one, from_middle) = (swept(&volume, random, 1)?, limit(&volume, Start::Midpoint)?);
-    let (limit, ours) = (limit(&volume, random)?, exact(&volume)?);
+    let random = || Start::Random(SEED);
+    let (one, from_middle) = (swept(&volume, random(), 1)?, limit(&volume, Start::Midpoint)?);
+    let (limit, ours) = (limit(&volume, random())?, exact(&volume)?);
     let ([first, second], last) = (one.report.energy, limit.report.energy[1]);
     let apart = apart(&from_middle.delta, &limit.delta);
     let states = [
         ("a: the midpoint surface", midpoint(&volume)?, Some(from_middle.report.energy[0])),
-        ("b: a random start", swept(&volume, random, 0)?, Some(first)),
+        ("b: a random start", swept(&volume, random(), 0)?, Some(first)),
         ("c: one sweep from it", one, Some(second)),
         ("d: the limit", limit, Some(last)),
         ("ours: preset exact", ours, None),

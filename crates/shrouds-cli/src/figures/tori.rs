@@ -15,9 +15,8 @@ const SIZE: usize = 24;
 
 pub(super) fn figure(_: &Data) -> Result<Figure, Failure> {
     let volume = linked_tori(SIZE)?;
-    let start = Start::Midpoint;
-    let (one, limit, ours) =
-        (swept(&volume, start, 1)?, swept_to_the_limit(&volume)?, exact(&volume)?);
+    let one = swept(&volume, Start::Midpoint, 1)?;
+    let (limit, ours) = (swept_to_the_limit(&volume)?, exact(&volume)?);
     let ([first, second], last) = (one.report.energy, limit.report.energy[1]);
     let (sweeps, steps) = (limit.report.iterations, ours.report.iterations);
     let states = [

@@ -21,3 +21,4 @@ mod mesh;
 mod pack;
 mod polygon;
 mod verbs;
+mod view;

@@ -112,8 +112,9 @@ fn from_the_network_on(criterion: &mut Criterion, case: &Case) {
         let mut group = criterion.benchmark_group(format!("solve/{preset}"));
         group.throughput(vertices.clone()).bench_function(name, |bencher| {
             let settings = &settings.optimize;
-            let mut go_on = |_| ControlFlow::Continue(());
-            bencher.iter(|| optimize(black_box(surface), settings, &mut go_on));
+            bencher.iter(|| {
+                optimize(black_box(surface), settings, &mut |_| ControlFlow::Continue(()))
+            });
         });
         group.finish();
     }

@@ -13,10 +13,11 @@ use crate::optimize::enclosed::{Fans, Gradient, of_triangles};
 use crate::optimize::level::{Level, Path};
 use crate::optimize::plan::{Passes, STEPS};
 use crate::optimize::problem::Conditions;
+use crate::optimize::progress::{Observer, Progress};
 use crate::optimize::real::Real;
 use crate::optimize::relax::{Relaxed, relax};
 use crate::optimize::report::{ComponentVolume, Report, Round, Status};
-use crate::optimize::settings::{Observer, Progress, Settings};
+use crate::optimize::settings::Settings;
 use crate::parallel;
 use crate::surface::{Components, Surface};
 
@@ -185,7 +186,8 @@ impl<'a> Keeper<'a> {
         x: &[R],
         gradient: &[f64],
     ) -> (Vec<R>, f64) {
-        let (mut x, go_on) = (x.to_vec(), &mut |_| ControlFlow::Continue(()));
+        let mut x = x.to_vec();
+        let go_on: &mut Observer = &mut |_| ControlFlow::Continue(());
         let relaxed = self.pull(conditions, round, usize::MAX, &mut x, gradient, go_on);
         (x, relaxed.stationarity.mean_curvature().max(f64::MIN_POSITIVE))
     }

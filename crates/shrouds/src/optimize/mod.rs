@@ -21,6 +21,7 @@ mod model;
 mod newton;
 mod plan;
 mod problem;
+mod progress;
 mod real;
 mod relax;
 mod report;
@@ -35,20 +36,21 @@ mod visit;
 
 pub use alone::minimise_vertex;
 pub use keep::keep_volumes;
+pub use progress::{Observer, Positions, Progress};
 pub use report::{ComponentVolume, Report, Round, Status};
-pub use settings::{Crease, Observer, Preset, Progress, Settings, Solver, Start, VolumeRule};
+pub use settings::{Crease, Preset, Settings, Solver, Start, VolumeRule};
 
 use std::sync::Arc;
 
 use crate::energy::Energy;
 use crate::error::Error;
 use crate::network::Network;
-use crate::parallel;
 use crate::surface::Surface;
 use crate::volume::Border;
 use bounds::Bounds;
 use keep::Keeper;
 use problem::{Conditions, Problem};
+use progress::deltas;
 use real::Real;
 use report::Stationarity;
 
@@ -73,7 +75,7 @@ pub struct Optimum {
 ///
 /// # Errors
 /// [`Error::Setting`] when a setting is outside its range, the mask of rough places is not on the grid
-/// of the volume, intervals are no intervals or not one for each vertex, or volumes are to be kept by
+/// of the volume, intervals or given δ are none or not one for each vertex, or volumes are to be kept by
 /// the sweeps, within intervals or for an open border.
 pub fn optimize(
     surface: &Surface,
@@ -87,7 +89,7 @@ pub fn optimize(
     let flatness = flat::flatness(surface);
     let energy = settings.energy();
     let Conditions { spacing, bounds, .. } = Conditions::new(surface, settings, &energy, &flatness);
-    let x = start::positions(surface, &settings.start, spacing, bounds);
+    let x = start::positions(surface, &settings.start, spacing, bounds)?;
     let intervals = bounds::intervals(surface, settings, bounds)?;
     // In double precision the bounds are nearer to their value.
     let in_double = || x.iter().map(|&x| f64::from(x).clamp(bounds[0], bounds[1])).collect();
@@ -192,17 +194,4 @@ impl Task<'_> {
         let conditions = Conditions::new(self.surface, self.settings, energy, self.flatness);
         Conditions { intervals: self.intervals, ..conditions }
     }
-}
-
-/// The δ of every vertex from its position.
-fn deltas<R: Real>(surface: &Surface, x: &[R]) -> Vec<f64> {
-    let mut delta = vec![0.0; x.len()];
-    let ends = (0..surface.slice_count()).map(|k| surface.slice_vertices(k).end as usize);
-    parallel::pieces(&mut delta, ends, |k, delta| {
-        let x = &x[surface.slice_vertices(k).start as usize..];
-        for ((delta, x), crossing) in delta.iter_mut().zip(x).zip(surface.slice_crossings(k)) {
-            *delta = crossing.from_low(x.to_f64());
-        }
-    });
-    delta
 }

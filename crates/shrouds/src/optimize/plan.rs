@@ -3,7 +3,7 @@
 use crate::energy::{Bending, Energy, Support};
 use crate::optimize::conjugate::Effort;
 use crate::optimize::crease::{BARRIERS, Creases};
-use crate::optimize::settings::{Crease, Preset, Settings};
+use crate::optimize::settings::{Crease, Preset, Settings, Start};
 
 /// A part of the work, with one energy.
 pub(super) struct Stage<'a> {
@@ -55,7 +55,7 @@ const CREASES: Passes = Passes::Fixed(&[&[iterations(30)], &[iterations(30)]]);
 /// [`thinness`](crate::optimize::crease::thinness).
 ///
 /// An energy that looks at four vertices has flat valleys and local minima; it starts from the minimum
-/// of bending, which has few. One that lets creases be starts from the one that does not.
+/// of bending, which has few, unless it is given where to start. One that lets creases be starts from the one that does not.
 pub(super) fn stages<'a>(settings: &Settings, thinness: &'a [f32]) -> Vec<Stage<'a>> {
     let energy = settings.energy();
     let passes = |most_steps| match settings.preset {
@@ -64,7 +64,8 @@ pub(super) fn stages<'a>(settings: &Settings, thinness: &'a [f32]) -> Vec<Stage<
         Preset::Exact => Passes::UntilConverged { tolerance: settings.tolerance(), most_steps },
     };
     let mut stages = Vec::new();
-    if energy.support() == Support::NextTwo {
+    let starts_anew = !matches!(settings.start, Start::Given(_));
+    if energy.support() == Support::NextTwo && starts_anew {
         stages.push(Stage { energy: Bending.into(), passes: passes(PREPARATION), creases: None });
     }
     let Some(Crease { angle }) = settings.crease else {

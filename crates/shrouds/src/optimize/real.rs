@@ -5,6 +5,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use wide::{f32x8, f64x8};
 
 use crate::energy::{CurveEnergy, Lanes, Stencil, Term};
+use crate::optimize::progress::Values;
 
 /// `f32` or `f64`, with what the solver does with them.
 pub(super) trait Real:
@@ -26,6 +27,7 @@ pub(super) trait Real:
     fn terms(energy: &dyn CurveEnergy, stencils: &Stencil<Lanes<Self>>) -> Term<Lanes<Self>>;
     /// The weighted sum of the scalar products of vectors in the plane.
     fn weighted_sum(weights: &Lanes<Self>, u: [&Lanes<Self>; 2], v: [&Lanes<Self>; 2]) -> f64;
+    fn values(values: &[Self]) -> Values<'_>;
 }
 
 impl Real for f32 {
@@ -55,6 +57,9 @@ impl Real for f32 {
         let products = f32x8::new(*weights) * (p * a + q * b);
         products.to_array().into_iter().map(f64::from).sum()
     }
+    fn values(values: &[Self]) -> Values<'_> {
+        Values::Single(values)
+    }
 }
 
 impl Real for f64 {
@@ -82,5 +87,8 @@ impl Real for f64 {
     fn weighted_sum(weights: &Lanes<Self>, u: [&Lanes<Self>; 2], v: [&Lanes<Self>; 2]) -> f64 {
         let ([p, q], [a, b]) = (u.map(|u| f64x8::new(*u)), v.map(|v| f64x8::new(*v)));
         (f64x8::new(*weights) * (p * a + q * b)).reduce_add()
+    }
+    fn values(values: &[Self]) -> Values<'_> {
+        Values::Double(values)
     }
 }

@@ -6,11 +6,11 @@
 use crate::optimize::conjugate::Effort;
 use crate::optimize::plan::{Passes, STEPS};
 use crate::optimize::problem::Conditions;
+use crate::optimize::progress::{Observer, Positions, Progress};
 use crate::optimize::real::Real;
 use crate::optimize::report::{Round, Stationarity, Status};
-use crate::optimize::settings::{Observer, Progress};
 use crate::optimize::tile::{Tile, TileRows, partition};
-use crate::optimize::visit::{Visit, visit};
+use crate::optimize::visit::{Moment, Visit, Watch, visit};
 use crate::parallel;
 use crate::surface::Surface;
 
@@ -106,9 +106,10 @@ impl Work<'_> {
         for (n, passes) in visits.iter().enumerate() {
             let status = if n + 1 == visits.len() { end } else { Status::IterationLimit };
             let pass = Pass::new(passes, status);
-            let share = |fraction| Some((n as f64 + fraction) / visits.len() as f64);
-            let pass = self.make(pass, passes, n % 2 == 1, x, &mut |pass, fraction| {
-                observer(pass.progress(n + 1, 0.0, share(fraction))).is_break()
+            let (surface, done) = (self.surface, self.relaxed.steps());
+            let pass = self.make(pass, passes, n % 2 == 1, x, &mut |moment| {
+                let share = Some((n as f64 + moment.share) / visits.len() as f64);
+                observer(progress(surface, moment, done, 0.0, share)).is_break()
             });
             if self.take(pass, x.len()) == Status::Cancelled {
                 return;
@@ -126,11 +127,11 @@ impl Work<'_> {
     ) {
         self.least = tolerance;
         for n in 0.. {
-            let done = self.relaxed.steps();
+            let (surface, done) = (self.surface, self.relaxed.steps());
             let steps = &STEPS[..STEPS.len().min(most_steps - done)];
             let pass = Pass::new(&[steps], Status::IterationLimit);
-            let mut pass = self.make(pass, &[steps], n % 2 == 1, x, &mut |pass, _| {
-                observer(pass.progress(done + pass.steps(), tolerance, None)).is_break()
+            let mut pass = self.make(pass, &[steps], n % 2 == 1, x, &mut |moment| {
+                observer(progress(surface, moment, done, tolerance, None)).is_break()
             });
             pass.drop_idle_steps();
             let is_stationary = pass.stationarity.step_rms() <= tolerance;
@@ -158,44 +159,52 @@ impl Work<'_> {
     /// it can be.
     fn certify<R: Real>(&mut self, x: &mut [R]) {
         let pass = Pass::new(&[&[]], Status::default());
-        let pass = self.make(pass, &[&[]], false, x, &mut |_, _| false);
+        let pass = self.make(pass, &[&[]], false, x, &mut |_| false);
         self.relaxed.stationarity = pass.stationarity;
         self.relaxed.stationarity.is_certain = true;
     }
 
-    /// Visits all tiles, `shifted` against those of the pass before. `stop` is told how the pass goes
-    /// and which part of it is done.
+    /// Visits all tiles, `shifted` against those of the pass before. `watch` is told after every step of
+    /// the only tile, or after some tiles.
     fn make<R: Real>(
         &mut self,
         mut pass: Pass,
         passes: &[&[Effort]],
         shifted: bool,
         x: &mut [R],
-        stop: &mut dyn FnMut(&Pass, f64) -> bool,
+        watch: &mut Watch<R>,
     ) -> Pass {
-        let (surface, conditions, least) = (self.surface, &self.conditions, self.least);
-        let colours = match self.is_one_tile(x.len()) {
-            true => [vec![TileRows::all(surface)], Vec::new(), Vec::new(), Vec::new()],
-            false => partition(surface, TILE, shifted),
-        };
+        let (surface, conditions, least) = (self.surface, self.conditions, self.least);
+        if self.is_one_tile(x.len()) {
+            let tile = Tile::cut(surface, TileRows::all(surface));
+            let visit = visit(&tile, &conditions, passes, least, x, Some(watch));
+            self.finish(&mut pass, &tile, visit, x);
+            return pass;
+        }
+        let colours = partition(surface, TILE, shifted);
         let groups: Vec<&[TileRows]> = colours.iter().flat_map(|c| c.chunks(GROUP)).collect();
         for (done, tiles) in groups.iter().enumerate() {
             let found = parallel::blocks(tiles.len(), 1, |range| {
                 let tile = Tile::cut(surface, tiles[range.start].clone());
-                let visit = visit(&tile, conditions, passes, least, x);
+                let visit = visit(&tile, &conditions, passes, least, x, None);
                 (tile, visit)
             });
             for (tile, visit) in found {
-                tile.write(&visit.x, x);
-                tile.write(&visit.slopes, &mut self.relaxed.slopes);
-                pass.add(visit);
+                self.finish(&mut pass, &tile, visit, x);
             }
-            if stop(&pass, (done + 1) as f64 / groups.len() as f64) {
+            if watch(pass.moment((done + 1) as f64 / groups.len() as f64, x)) {
                 pass.status = Status::Cancelled;
                 break;
             }
         }
         pass
+    }
+
+    /// Takes in what the visit of a tile brought.
+    fn finish<R: Real>(&mut self, pass: &mut Pass, tile: &Tile, visit: Visit<R>, x: &mut [R]) {
+        tile.write(&visit.x, x);
+        tile.write(&visit.slopes, &mut self.relaxed.slopes);
+        pass.add(visit);
     }
 
     /// Takes in what a pass over so many vertices brought.
@@ -241,6 +250,7 @@ impl Pass {
         self.energy_of_vertices += visit.energy_of_vertices;
         let steps = visit.energies.last().map_or(0, |energies| energies.len() - 1);
         self.most_steps = self.most_steps.max(steps);
+        let passes = visit.energies.len();
         for (sums, found) in self.energies.iter_mut().zip(visit.energies) {
             for (n, sum) in sums.iter_mut().enumerate() {
                 // A tile that could not go lower stays where it is.
@@ -248,6 +258,11 @@ impl Pass {
             }
         }
         self.stationarity.add(visit.stationarity);
+        if visit.is_cancelled {
+            self.status = Status::Cancelled;
+            self.energies.truncate(passes);
+            self.drop_idle_steps();
+        }
     }
 
     /// Steps of the last pass so far.
@@ -262,14 +277,10 @@ impl Pass {
         }
     }
 
-    fn progress(&self, iteration: usize, tolerance: f64, share_done: Option<f64>) -> Progress {
-        Progress {
-            iteration,
-            energy: self.energies.last().and_then(|e| e.last()).copied().unwrap_or_default(),
-            change: self.stationarity.step_rms(),
-            tolerance,
-            share_done,
-        }
+    fn moment<'a, R>(&self, share: f64, x: &'a [R]) -> Moment<'a, R> {
+        let energy = self.energies.last().and_then(|e| e.last()).copied().unwrap_or_default();
+        let step_rms = self.stationarity.step_rms();
+        Moment { steps: self.most_steps, share, energy, step_rms, x }
     }
 
     fn into_rounds(self) -> impl Iterator<Item = Round> {
@@ -280,4 +291,17 @@ impl Pass {
             status: if n == last { status } else { Status::IterationLimit },
         })
     }
+}
+
+/// What the observer is told of a moment that so many steps came before.
+fn progress<'a, R: Real>(
+    surface: &'a Surface,
+    moment: Moment<'a, R>,
+    done: usize,
+    tolerance: f64,
+    share_done: Option<f64>,
+) -> Progress<'a> {
+    let Moment { steps, energy, step_rms, x, .. } = moment;
+    let positions = Positions::new(surface, x);
+    Progress { iteration: done + steps, energy, change: step_rms, tolerance, share_done, positions }
 }

@@ -1,6 +1,5 @@
 //! What a caller can choose about the optimisation.
 
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use crate::energy::{Bending, Energy, Variation};
@@ -32,7 +31,7 @@ pub enum Preset {
 }
 
 /// Where the vertices start.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub enum Start {
     /// Where the occupancy, blurred by one voxel, passes one half.
     #[default]
@@ -45,6 +44,9 @@ pub enum Start {
     Outside,
     /// Anywhere on the grid edges, drawn from this seed.
     Random(u64),
+    /// At these δ, one for each vertex, from 0 to 1: those of an earlier result, say. What would only
+    /// prepare the work with another energy is left out.
+    Given(Arc<[f64]>),
 }
 
 /// Creases: edges stay sharp between faces that become flat, where the data has them.
@@ -198,21 +200,3 @@ impl Settings {
 pub(super) fn cannot_keep(range: &'static str) -> Error {
     Error::Setting { name: "volume", value: "keep".into(), range }
 }
-
-/// How far the optimisation has come.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Progress {
-    /// Iterations done, over all rounds.
-    pub iteration: usize,
-    /// The energy, with the weights of the current round.
-    pub energy: f64,
-    /// What the stop rule looks at, and the value at which it stops.
-    pub change: f64,
-    /// The tolerance that `change` has to reach; 0 where it need not reach any.
-    pub tolerance: f64,
-    /// The share of the work that is done, from 0 to 1, where that is known beforehand.
-    pub share_done: Option<f64>,
-}
-
-/// Told after every iteration; [`ControlFlow::Break`] stops the optimisation with what it has.
-pub type Observer<'a> = dyn FnMut(Progress) -> ControlFlow<()> + 'a;

@@ -1,5 +1,6 @@
 //! Where the vertices start.
 
+use crate::error::Error;
 use crate::optimize::blur::{Blur, Filter, HALF};
 use crate::optimize::settings::Start;
 use crate::parallel;
@@ -8,23 +9,27 @@ use crate::surface::Surface;
 
 /// Positions from the low end of every grid edge, within the bounds; `spacing` is in units of the
 /// smallest one.
+///
+/// # Errors
+/// [`Error::Setting`] when given δ are not one for each vertex, or not from 0 to 1.
 pub(super) fn positions(
     surface: &Surface,
     start: &Start,
     spacing: [f64; 3],
     bounds: [f64; 2],
-) -> Vec<f32> {
+) -> Result<Vec<f32>, Error> {
     let [low, high] = bounds.map(|bound| bound as f32);
     let mut x = vec![0.5; surface.vertex_count()];
-    match *start {
+    match start {
         Start::Midpoint => {}
         Start::Blur => blur(surface, spacing, &mut x),
         Start::Inside => fill(surface, 1.0, &mut x),
         Start::Outside => fill(surface, 0.0, &mut x),
-        Start::Random(seed) => parallel::fill(&mut x, |v| uniform(seed, v as u64) as f32),
+        Start::Random(seed) => parallel::fill(&mut x, |v| uniform(*seed, v as u64) as f32),
+        Start::Given(delta) => place(surface, delta, &mut x)?,
     }
     x.iter_mut().for_each(|x| *x = x.clamp(low, high));
-    x
+    Ok(x)
 }
 
 /// The same δ everywhere.
@@ -32,6 +37,22 @@ fn fill(surface: &Surface, delta: f64, x: &mut [f32]) {
     for (x, crossing) in x.iter_mut().zip(surface.crossings()) {
         *x = crossing.from_low(delta) as f32;
     }
+}
+
+/// Each vertex at its own δ.
+fn place(surface: &Surface, delta: &[f64], x: &mut [f32]) -> Result<(), Error> {
+    let refuse = |name, value, range| Err(Error::Setting { name, value, range });
+    if delta.len() != x.len() {
+        let value = format!("{} for {} vertices", delta.len(), x.len());
+        return refuse("the number of given deltas", value, "one for each vertex");
+    }
+    if let Some(wrong) = delta.iter().find(|delta| !(0.0..=1.0).contains(*delta)) {
+        return refuse("a given delta", wrong.to_string(), "between 0 and 1");
+    }
+    for ((x, crossing), &delta) in x.iter_mut().zip(surface.crossings()).zip(delta) {
+        *x = crossing.from_low(delta) as f32;
+    }
+    Ok(())
 }
 
 /// Slices per piece of work; each needs some more on both sides.

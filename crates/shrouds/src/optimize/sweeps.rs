@@ -2,8 +2,9 @@
 
 use crate::optimize::model::Model;
 use crate::optimize::problem::Problem;
+use crate::optimize::progress::{Observer, Positions, Progress};
 use crate::optimize::report::{Round, Stationarity, Status};
-use crate::optimize::settings::{Observer, Progress, Settings};
+use crate::optimize::settings::Settings;
 use crate::optimize::univariate::minimise;
 use crate::surface::Surface;
 
@@ -32,8 +33,9 @@ pub(super) fn solve(
         }
         let energy = problem.value(x);
         let change = relative_change(surface, &old, x);
-        let progress =
-            Progress { iteration: sweep + 1, energy, change, tolerance, share_done: None };
+        let (iteration, share_done) = (sweep + 1, None);
+        let positions = Positions::new(surface, x);
+        let progress = Progress { iteration, energy, change, tolerance, share_done, positions };
         let stopped = observer(progress).is_break();
         let last_refreshed = sweep + 1 >= REFRESHED_SWEEPS || !problem.needs_freezing();
         let status = match () {

@@ -7,6 +7,21 @@ use crate::optimize::real::Real;
 use crate::optimize::report::Stationarity;
 use crate::optimize::tile::Tile;
 
+/// A moment of the work on a pass, or on the passes over a surface of one tile.
+pub(super) struct Moment<'a, R> {
+    /// Steps made so far.
+    pub(super) steps: usize,
+    /// The share of the work that is done.
+    pub(super) share: f64,
+    pub(super) energy: f64,
+    pub(super) step_rms: f64,
+    /// The positions of all vertices of the surface, or of the tile that is one.
+    pub(super) x: &'a [R],
+}
+
+/// Told of moments; says whether to stop there.
+pub(super) type Watch<'a, R> = dyn FnMut(Moment<R>) -> bool + 'a;
+
 /// What working on a tile brought.
 pub(super) struct Visit<R> {
     pub(super) x: Vec<R>,
@@ -20,16 +35,18 @@ pub(super) struct Visit<R> {
     pub(super) stationarity: Stationarity,
     /// See [`Problem::slopes`].
     pub(super) slopes: Vec<[f32; 2]>,
+    pub(super) is_cancelled: bool,
 }
 
 /// The steps of some passes, weights and barrier frozen anew for each. A pass ends early when a step
-/// moves the vertices by less than `least`, their root mean square.
+/// moves the vertices by less than `least`, their root mean square. `watch` is told after every step.
 pub(super) fn visit<R: Real>(
     tile: &Tile,
     conditions: &Conditions,
     passes: &[&[Effort]],
     least: f64,
     x: &[R],
+    mut watch: Option<&mut Watch<R>>,
 ) -> Visit<R> {
     let mut x = tile.read(x, R::from_f64(0.5));
     let local = |factors: &[f32]| tile.read(factors, 0.0);
@@ -43,6 +60,8 @@ pub(super) fn visit<R: Real>(
     }
     let mut newton = Newton::new(&tile.network);
     let (mut energies, mut first_move) = (Vec::new(), 0.0);
+    let planned: usize = passes.iter().map(|steps| steps.len()).sum();
+    let (mut made, mut is_cancelled) = (0, false);
     for steps in passes {
         problem.freeze_weights(&x);
         let mut energy = newton.model.linearise_with_new_barrier(&mut problem, &x);
@@ -52,17 +71,27 @@ pub(super) fn visit<R: Real>(
             let Some(step) = newton.step(&problem, &mut x, energy, effort) else { break };
             energy = step.value;
             own.push(energy.own);
+            made += 1;
             if n == 0 {
                 first_move = step.moved;
             }
-            if step.moved <= least * least * x.len() as f64 {
+            if let Some(watch) = &mut watch {
+                let found = Stationarity::of(&newton.model, &x, &problem.bounds, &problem.is_fixed);
+                let share = made as f64 / planned as f64;
+                let (energy, step_rms) = (energy.own, found.step_rms());
+                is_cancelled = watch(Moment { steps: made, share, energy, step_rms, x: &x });
+            }
+            if is_cancelled || step.moved <= least * least * x.len() as f64 {
                 break;
             }
         }
         energies.push(own);
+        if is_cancelled {
+            break;
+        }
     }
     let stationarity = Stationarity::of(&newton.model, &x, &problem.bounds, &problem.is_fixed);
     let slopes = problem.slopes(&x);
     let energy_of_vertices = newton.model.energy_of_vertices(&problem);
-    Visit { x, energies, first_move, energy_of_vertices, stationarity, slopes }
+    Visit { x, energies, first_move, energy_of_vertices, stationarity, slopes, is_cancelled }
 }

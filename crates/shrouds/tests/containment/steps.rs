@@ -137,9 +137,9 @@ fn a_shroud_of_the_enclosing_volume_contains_every_cell() {
     for start in [Start::Blur, Start::Inside, Start::Random(3)] {
         let mut settings = Settings::default();
         settings.optimize.preset = Preset::Fast;
-        settings.optimize.start = start;
         // As it starts: vertices anywhere.
         settings.optimize.max_iterations = (start != Start::Blur).then_some(0);
+        settings.optimize.start = start.clone();
         let surface = shroud(&volume, &settings).unwrap();
         // The corners of all cells make a lattice, half a step away from that of the region.
         let mut affine = grid.affine();
