@@ -44,7 +44,8 @@ export interface Volume {
   inside: number;
   labels: Label[] | null;
   range: [number, number] | null;
-  selected: { labels?: number[] | null; threshold?: number | null } | null;
+  /** What is inside, in words. */
+  selected: string;
   warnings: string[];
 }
 
@@ -56,6 +57,8 @@ export interface Surface {
   vertices: number;
   triangles: number;
   components: number;
+  /** Of the start. */
+  energy: number | null;
 }
 
 export type SolverState = "running" | "paused" | "done" | "cancelled";

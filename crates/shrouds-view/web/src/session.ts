@@ -3,7 +3,7 @@
 import { Connection, type Framed } from "./connection.ts";
 import type { Answer, Frame } from "./frames.ts";
 import type { Hello, Numbers, Slot, SolverEvent, SolverState, Source, Surface, Volume } from "./protocol.ts";
-import { MOST_VIEWS, type Store } from "./state.ts";
+import { MOST_VIEWS, type Settings, type Store } from "./state.ts";
 
 /** One point of the plots. */
 export interface Sample {
@@ -50,7 +50,13 @@ export interface Screen {
   forget(view: number): void;
 }
 
+interface Holding {
+  volume: Volume;
+}
+
 const RUN_DELAY = 120;
+/** Surfaces of more vertices are not packed to tell how small they become. */
+const MOST_PACKED = 600_000;
 
 export class Session {
   hello!: Hello;
@@ -79,7 +85,8 @@ export class Session {
       closed: (reason) => session.say("error", `${reason} Reload the page to go on: the address keeps your choices.`),
       broken: (error) => session.say("error", `The program sent what this page cannot read: ${error.message}`),
     });
-    session.hello = await session.request<Hello>("hello");
+    const none = { fields: [], formats: [] };
+    session.hello = { ...none, ...(await session.request<Hello>("hello")) };
     return session;
   }
 
@@ -120,19 +127,17 @@ export class Session {
   /** Reads a volume into a slot, and shrouds it anew in all views if it is the first slot's. */
   async open(slot: Slot, source: Source, select?: Record<string, unknown>): Promise<void> {
     this.working("opening");
-    const volume = await this.attempt(() => this.request<Volume>("open", { slot, source }));
-    const chosen = volume && select
-      ? await this.attempt(() => this.request<Volume>("select", { slot, ...select }))
-      : undefined;
+    const opened = await this.attempt(() => this.request<Holding>("open", { slot, source }));
+    const chosen =
+      opened && select && (await this.attempt(() => this.request<Holding>("select", { slot, ...select })));
     this.working();
-    if (volume) this.took(chosen ?? volume);
+    if (opened) this.took((chosen || opened).volume);
   }
 
   /** Another choice of labels or of a threshold, or an operation: whatever answers with a volume. */
-  async change(name: string, fields: Record<string, unknown>): Promise<Volume | undefined> {
-    const volume = await this.attempt(() => this.request<Volume>(name, fields));
-    if (volume) this.took(volume);
-    return volume;
+  async change(name: string, fields: Record<string, unknown>): Promise<void> {
+    const answer = await this.attempt(() => this.request<Holding>(name, fields));
+    if (answer) this.took(answer.volume);
   }
 
   /** A volume as it is now. The views show the first slot. */
@@ -183,21 +188,22 @@ export class Session {
   }
 
   /** A new surface with the settings of the view, and a run if everything is live. */
-  async shroud(view: number, more: Record<string, string> = {}): Promise<void> {
+  async shroud(view: number): Promise<void> {
     const model = this.views[view];
     if (!model || !this.volume) return;
     const generation = this.later(view);
     Object.assign(model, { ...emptyView(view), state: "waiting" as const });
     this.tell("views");
-    const settings = { ...this.store.state.settings[view], ...more };
+    const settings = typed(this.store.state.settings[view] ?? {});
     try {
       const fields = { view, slot: this.slot, settings };
-      const answer = await this.request<Surface | { surface: Surface }>("shroud", fields);
+      const { surface } = await this.request<{ surface: Surface }>("shroud", fields);
       if (this.generations[view] !== generation) return;
-      model.surface = "surface" in answer ? answer.surface : answer;
-      if (model.state === "waiting") model.state = "paused";
+      Object.assign(model, { surface, state: "paused", history: startOf(surface) });
+      this.working();
       this.tell("views");
       if (this.store.state.live) await this.control(view, "run");
+      else await this.settle(view);
     } catch (error) {
       if (this.generations[view] !== generation) return;
       model.state = "empty";
@@ -212,7 +218,9 @@ export class Session {
     const model = this.views[view];
     if (!model?.surface) return;
     if (what === "run" || what === "step") Object.assign(model, { settled: false, problem: "" });
-    if (what === "reset") Object.assign(model, { history: [], iteration: 0, numbers: undefined });
+    const anew = what === "reset" || (what !== "pause" && ["done", "cancelled"].includes(model.state));
+    if (anew && what !== "cancel") Object.assign(model, { history: startOf(model.surface), iteration: 0 });
+    if (what === "reset") Object.assign(model, { state: "paused", status: "", numbers: undefined });
     this.tell("solver");
     this.tell("started");
     await this.attempt(() => this.request(what, { view }));
@@ -242,6 +250,7 @@ export class Session {
       case "solver":
         return this.solver(event as unknown as SolverEvent);
       case "settled":
+        if (this.views[Number(event.view)]?.surface?.revision !== event.revision) return;
         return void this.settle(Number(event.view));
       case "progress":
         return this.working(String(event.stage), (event.share as number | null) ?? null);
@@ -265,7 +274,7 @@ export class Session {
       iteration,
       seconds: event.seconds,
     });
-    if (energy !== null && model.history.at(-1)?.iteration !== iteration) {
+    if (energy !== null && energy !== undefined && model.history.at(-1)?.iteration !== iteration) {
       model.history.push({ iteration, energy, gradient, move, change });
     }
     this.tell("solver");
@@ -278,11 +287,24 @@ export class Session {
     this.tell("solver");
     this.tell("settled");
     const revision = model.surface?.revision;
-    const numbers = await this.attempt(() => this.request<Numbers>("numbers", { view }));
-    if (!numbers || model.surface?.revision !== revision) return;
-    model.numbers = numbers;
-    this.tell("numbers");
+    const packed = (model.surface?.vertices ?? 0) < MOST_PACKED;
+    for (const bits of packed ? [false, true] : [false]) {
+      const numbers = await this.attempt(() => this.request<Numbers>("numbers", { view, bits }));
+      if (!numbers || !model.settled || model.surface?.revision !== revision) return;
+      model.numbers = numbers;
+      this.tell("numbers");
+    }
   }
+}
+
+/** Settings as the program wants them: those without a value are true. */
+function typed(settings: Settings): Record<string, string | true> {
+  const entries = Object.entries(settings).map(([name, value]) => [name, value === "true" ? true : value]);
+  return Object.fromEntries(entries) as Record<string, string | true>;
+}
+
+function startOf({ energy }: Surface): Sample[] {
+  return [{ iteration: 0, energy, gradient: null, move: null, change: null }];
 }
 
 function emptyView(index: number): View {

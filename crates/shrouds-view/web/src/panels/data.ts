@@ -111,7 +111,7 @@ function facts(volume: Volume): [string, string][] {
   ];
   if (frame) found.push(["frame", frame]);
   if (volume.range) found.push(["values", volume.range.map(compact).join(" … ")]);
-  if (typeof selected?.threshold === "number") found.push(["above", compact(selected.threshold)]);
+  if (selected) found.push(["chosen", selected]);
   return found;
 }
 
@@ -139,9 +139,10 @@ function sameChoice(a: Volume | undefined, b: Volume): boolean {
 
 const labelled = ({ labels: there }: Volume): boolean => (there?.length ?? 0) > 0;
 
-function labels(session: Session, { labels: all, selected }: Volume): HTMLElement[] {
+function labels(session: Session, { labels: all }: Volume): HTMLElement[] {
   const known = all ?? [];
-  const chosen = new Set(selected?.labels ?? known.map(({ value }) => value).filter((value) => value !== 0));
+  const named = session.store.state.labels.split(",").filter(Boolean).map(Number);
+  const chosen = new Set(named.length > 0 ? named : known.map(({ value }) => value).filter((value) => value !== 0));
   const boxes = new Map<number, HTMLInputElement>();
   const change = (): void => {
     const values = [...boxes].filter(([, box]) => box.checked).map(([value]) => value);
@@ -164,7 +165,7 @@ function labels(session: Session, { labels: all, selected }: Volume): HTMLElemen
   return [list, row(button("All", () => all_(true)), button("None", () => all_(false), "Then choose some"))];
 }
 
-function threshold(session: Session, { range, selected }: Volume): HTMLElement[] {
+function threshold(session: Session, { range }: Volume): HTMLElement[] {
   const [low, high] = range ?? [0, 1];
   if (high - low <= 1 && Number.isInteger(low) && Number.isInteger(high)) return [];
   let timer: ReturnType<typeof setTimeout>;
@@ -177,7 +178,7 @@ function threshold(session: Session, { range, selected }: Volume): HTMLElement[]
       void session.change("select", { slot: "a", threshold: Number(text) });
     }, 150);
   });
-  const now = selected?.threshold ?? low;
+  const now = Number(session.store.state.threshold || low);
   control.set(now, compact(now));
   return [field("Above", control.element, "Inside are the voxels with a value above this")];
 }
@@ -234,8 +235,8 @@ async function grow(session: Session, by: number): Promise<void> {
 }
 
 async function toResult(session: Session, name: string, fields: Record<string, unknown>): Promise<void> {
-  const volume = await session.attempt(() => session.request<Volume>(name, fields));
-  if (!volume) return;
+  const answer = await session.attempt(() => session.request<{ volume: Volume }>(name, fields));
+  if (!answer) return;
   session.slot = "c";
-  session.took(volume);
+  session.took(answer.volume);
 }

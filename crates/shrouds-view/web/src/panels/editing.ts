@@ -47,9 +47,9 @@ export function sonarPanel(session: Session, stage: Stage): HTMLElement {
   let steps: unknown[] = [];
   let at = 0;
   const go = latest(async () => {
-    const answer = await session.attempt(() => session.framed<Volume | { volume: Volume }, Lines>("scene_step", { step: at }));
+    const answer = await session.attempt(() => session.framed<{ volume: Volume }, Lines>("scene_step", { step: at, into: "a" }));
     if (!answer) return;
-    session.took("volume" in answer.ok && typeof answer.ok.volume === "object" ? answer.ok.volume : (answer.ok as Volume));
+    session.took(answer.ok.volume);
     stage.setOther("track", answer.frame);
   });
   const time = slider("Time", { min: 0, max: 1, step: 1 }, (value) => {
@@ -60,7 +60,7 @@ export function sonarPanel(session: Session, stage: Stage): HTMLElement {
   time.element.hidden = true;
   const load = async (): Promise<void> => {
     const text = path.value.trim() || "demo";
-    const source = text === "demo" ? { demo: "sonar" } : { path: text };
+    const source = text === "demo" ? { demo: "figure11" } : { path: text };
     const scene = await session.attempt(() => session.request<{ steps: unknown[] }>("scene", source));
     if (!scene) return;
     steps = scene.steps;

@@ -25,6 +25,8 @@ interface Pane {
   scene: Scene;
   root: Group;
   surface?: SurfaceModel | undefined;
+  /** The mesh with vertices of its own, shown in place of the surface while that does not move. */
+  dual?: SurfaceModel | undefined;
   contours?: Object3D | undefined;
   /** Told when what came last is on the screen. */
   drawn: (() => void)[];
@@ -127,9 +129,9 @@ export class Stage {
     const pane = this.panes[frame.view];
     if (!pane) return;
     if (frame.kind === "topology") this.replace(pane, frame);
-    else if (frame.kind === "positions") this.replace(pane, asTopology(frame));
     else if (pane.surface?.topology.revision !== frame.revision) return drawn();
-    else if (frame.kind === "delta") this.move(pane.surface, frame.values);
+    else if (frame.kind === "positions") this.setDual(pane, new SurfaceModel(asTopology(frame), this.uniforms));
+    else if (frame.kind === "delta") this.move(pane, pane.surface, frame.values);
     else if (frame.kind === "triangles") pane.surface.retriangulate(frame.indices);
     else if (frame.kind === "normals") pane.surface.setNormals(frame.values);
     pane.drawn.push(drawn);
@@ -138,6 +140,7 @@ export class Stage {
 
   private replace(pane: Pane, topology: Topology): void {
     const old = pane.surface;
+    this.setDual(pane, undefined);
     pane.surface = new SurfaceModel(topology, this.uniforms);
     pane.root.add(pane.surface.group);
     old?.dispose();
@@ -152,7 +155,14 @@ export class Stage {
     if (first) this.camera.text = this.store.state.camera;
   }
 
-  private move(surface: SurfaceModel, delta: Float32Array): void {
+  private setDual(pane: Pane, dual: SurfaceModel | undefined): void {
+    pane.dual?.dispose();
+    pane.dual = dual;
+    if (dual) pane.root.add(dual.group);
+  }
+
+  private move(pane: Pane, surface: SurfaceModel, delta: Float32Array): void {
+    this.setDual(pane, undefined);
     const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
     const glide = !calm && delta.length < 100_000;
     surface.move(delta, glide);
@@ -162,8 +172,10 @@ export class Stage {
   /** No surface for now. */
   forget(view: number): void {
     const pane = this.panes[view];
-    pane?.surface?.dispose();
-    if (pane) pane.surface = undefined;
+    if (!pane) return;
+    this.setDual(pane, undefined);
+    pane.surface?.dispose();
+    pane.surface = undefined;
     this.setContours(view, undefined);
   }
 
@@ -175,9 +187,12 @@ export class Stage {
   }
 
   setColours(view: number, values: Float32Array | undefined, colouring?: Colouring): void {
-    const surface = this.panes[view]?.surface;
-    if (values && colouring) surface?.setColours(values, ramp(colouring), [colouring.low, colouring.high]);
-    else surface?.setColours();
+    const { surface, dual } = this.panes[view] ?? {};
+    for (const model of [surface, dual]) {
+      const fits = values && model?.count === values.length;
+      if (fits && colouring) model.setColours(values, ramp(colouring), [colouring.low, colouring.high]);
+      else model?.setColours();
+    }
     this.draw();
   }
 
@@ -316,14 +331,16 @@ export class Stage {
       this.renderer.render(pane.scene, camera);
       this.renderer.render(this.shared, camera);
     };
-    const edge = state.wipe ? Math.round(state.wipeAt * width) : 0;
+    // Midpoints are those of the grid edges: a mesh with vertices of its own has none.
+    const edge = state.wipe && !pane.dual ? Math.round(state.wipeAt * width) : 0;
     part(0, edge, true);
     part(edge, width, false);
   }
 
   private prepare(pane: Pane, picking: boolean): void {
     const { state } = this.store;
-    const { surface } = pane;
+    const surface = pane.dual ?? pane.surface;
+    if (pane.surface) pane.surface.group.visible = !pane.dual;
     this.uniforms.smoothly!.value = state.smooth;
     (this.uniforms.plane!.value as Vector4).copy(this.clipping(state));
     if (!surface) return;

@@ -31,7 +31,6 @@ export class SurfaceModel {
     readonly topology: Topology,
     shared: Uniforms,
   ) {
-    const count = topology.outside.length / 3;
     this.uniforms = {
       ...shared,
       glide: { value: 1 },
@@ -41,7 +40,7 @@ export class SurfaceModel {
       colours: { value: null },
     };
     this.whole = new BufferAttribute(topology.indices, 1);
-    this.fill(count);
+    this.fill(this.count);
     const vertex = { glslVersion: GLSL3, uniforms: this.uniforms, side: DoubleSide } as const;
     this.painter = new ShaderMaterial({ ...vertex, vertexShader: surfaceVertex, fragmentShader: surfaceFragment });
     this.picker = new ShaderMaterial({ ...vertex, vertexShader: surfaceVertex, fragmentShader: pickFragment });
@@ -86,6 +85,10 @@ export class SurfaceModel {
 
   private attribute(name: string): BufferAttribute {
     return this.geometry.getAttribute(name) as BufferAttribute;
+  }
+
+  get count(): number {
+    return this.topology.outside.length / 3;
   }
 
   get delta(): Float32Array {
