@@ -104,8 +104,9 @@ function dropping(session: Session): void {
     event.preventDefault();
     document.body.classList.remove("dropping");
     const file = event.dataTransfer?.files[0];
-    if (file) void openFile(session, "a", file);
-    else if (event.dataTransfer?.getData("text")) void open(session, "a", event.dataTransfer.getData("text").trim());
+    const slot = event.shiftKey ? "b" : "a";
+    if (file) void openFile(session, slot, file);
+    else if (event.dataTransfer?.getData("text")) void open(session, slot, event.dataTransfer.getData("text").trim());
   });
 }
 

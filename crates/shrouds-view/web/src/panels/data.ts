@@ -75,13 +75,12 @@ function source(session: Session): HTMLElement[] {
   session.store.watch(["source"], show);
   show(session.store.state);
   const pair = el("div", { className: "row" }, el("span", { className: "grow" }, name), size);
-  pair.id = "demo";
-  name.setAttribute("aria-label", "Demo");
-  name.id = "demo-name";
+  pair.style.flexWrap = "nowrap";
+  name.id = "demo";
   return [
-    field("Demo", pair),
+    el("div", { className: "field" }, el("label", { htmlFor: name.id }, "Demo"), pair),
     row(el("span", { className: "grow" }, path), button("Open", given)),
-    row(button("Choose a file…", () => file.click()), el("span", { className: "quiet" }, "or drop one"), file),
+    row(button("Choose a file…", () => file.click()), el("span", { className: "quiet", title: "Held with Shift it becomes the second volume, B" }, "or drop one"), file),
   ];
 }
 
