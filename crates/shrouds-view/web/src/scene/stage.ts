@@ -1,7 +1,7 @@
 // The picture: one canvas, up to four panes with one camera, drawn only when something changes.
 
 import {
-  Box3, Color, DataTexture, Group, LinearFilter, Matrix3, Matrix4, Object3D, Scene, Vector3, Vector4,
+  Box3, Color, Group, Matrix3, Matrix4, Object3D, Scene, Vector3, Vector4,
   WebGLRenderer,
 } from "three";
 import type { Frame, Lines, Plane, Points, Topology } from "../frames.ts";
@@ -11,6 +11,7 @@ import { Camera } from "./camera.ts";
 import * as overlays from "./overlays.ts";
 import { nearest } from "./mesh.ts";
 import { Picker } from "./pick.ts";
+import { ramp } from "./ramp.ts";
 import { SurfaceModel, asTopology, type Uniforms } from "./surface.ts";
 
 /** A pane's part of the canvas in CSS pixels, from the top left. */
@@ -380,27 +381,4 @@ function emptyPane(): Pane {
   const root = new Group();
   scene.add(root);
   return { scene, root, drawn: [] };
-}
-
-/** 256 colours between the stops of a legend. */
-function ramp({ legend, low, high }: Colouring): DataTexture {
-  const pixels = new Uint8Array(4 * 256);
-  const stops = legend.map(([value, text]) => [value, hex(text)] as const);
-  for (let i = 0; i < 256; i++) {
-    const value = low + ((high - low) * i) / 255;
-    const after = Math.max(stops.findIndex(([stop]) => stop >= value), 0);
-    const [right, to] = stops[after] ?? [value, [0, 0, 0]];
-    const [left, from] = stops[Math.max(after - 1, 0)] ?? [value, [0, 0, 0]];
-    const share = right > left ? (value - left) / (right - left) : 0;
-    pixels.set([...from.map((c, k) => c + share * ((to[k] ?? c) - c)), 255], 4 * i);
-  }
-  const texture = new DataTexture(pixels, 256, 1);
-  Object.assign(texture, { magFilter: LinearFilter, minFilter: LinearFilter });
-  texture.needsUpdate = true;
-  return texture;
-}
-
-function hex(text: string): number[] {
-  const digits = text.replace("#", "");
-  return [0, 2, 4].map((at) => Number.parseInt(digits.slice(at, at + 2), 16) || 0);
 }
