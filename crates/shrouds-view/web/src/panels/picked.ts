@@ -1,0 +1,79 @@
+// The vertex that was picked: its grid edge, δ, neighbours, ρ.
+
+import { compact, el, section } from "../dom.ts";
+import type { Picked } from "../protocol.ts";
+import type { Hit, Stage } from "../scene/stage.ts";
+import type { Session } from "../session.ts";
+
+export class PickedPanel {
+  readonly element: HTMLDetailsElement;
+  private readonly list = el("dl");
+  private readonly hint = el("div", { className: "quiet" }, "Click on the surface to pick a vertex.");
+  private last: { view: number; vertex: number } | undefined;
+
+  constructor(
+    private readonly session: Session,
+    private readonly stage: Stage,
+  ) {
+    this.element = section("Vertex", this.hint, this.list);
+    session.on("started", () => this.mark(undefined));
+    session.on("views", () => this.forget());
+    session.on("settled", () => void this.ask());
+  }
+
+  async pick(hit: Hit): Promise<void> {
+    const vertex = this.stage.vertex(hit);
+    if (vertex < 0) return;
+    this.last = { view: hit.view, vertex };
+    await this.ask();
+  }
+
+  private forget(): void {
+    if (this.last && this.session.views[this.last.view]?.state !== "waiting") return;
+    this.last = undefined;
+    this.list.replaceChildren();
+    this.hint.hidden = false;
+    this.mark(undefined);
+  }
+
+  private async ask(): Promise<void> {
+    const { last } = this;
+    if (!last) return;
+    const picked = await this.session.attempt(() => this.session.request<Picked>("pick", { ...last }));
+    if (!picked || this.last !== last) return;
+    this.hint.hidden = true;
+    const rows = facts(last.vertex, picked).flatMap(([name, value]) => [el("dt", {}, name), el("dd", {}, value)]);
+    this.list.replaceChildren(...rows);
+    this.mark(picked, last.view);
+  }
+
+  /** The vertex as a disc, and the two curves through it. */
+  private mark(picked: Picked | undefined, view = 0): void {
+    const head = { view, revision: 0 };
+    const point = picked && { kind: "points" as const, ...head, points: Float32Array.from(picked.position), inside: Float32Array.of(1) };
+    this.stage.setOther("picked", point);
+    if (!picked) return this.stage.setOther("picked-curves", undefined);
+    const places = this.stage.positions(view);
+    const ends = picked.neighbours.filter((vertex): vertex is number => vertex !== null);
+    const points = ends.flatMap((vertex) => [...picked.position, ...(places?.subarray(3 * vertex, 3 * vertex + 3) ?? picked.position)]);
+    const lengths = new Uint32Array(ends.length).fill(2);
+    this.stage.setOther("picked-curves", { kind: "lines", ...head, lengths, points: Float32Array.from(points) });
+  }
+}
+
+function facts(vertex: number, picked: Picked): [string, string][] {
+  const { edge, delta, position, normal, neighbours, rho, curvature } = picked;
+  const list = (values: readonly number[]): string => values.map((value) => compact(Number(value.toPrecision(4)))).join(", ");
+  const found: [string, string][] = [
+    ["number", compact(vertex)],
+    ["grid edge", `along ${edge.axis} from ${edge.point.join(", ")}`],
+    ["δ", delta.toFixed(4)],
+    ["position", list(position)],
+    ["normal", list(normal)],
+    ["neighbours", neighbours.map((other) => other ?? "none").join(", ")],
+    ["ρ", compact(rho)],
+  ];
+  if (typeof curvature === "number") found.push(["curvature", compact(curvature)]);
+  else if (curvature) for (const [name, value] of Object.entries(curvature)) found.push([name, compact(value)]);
+  return found;
+}
