@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use serde::Serialize;
-use shrouds::check::CheckReport;
 use shrouds::Choice;
+use shrouds::check::CheckReport;
 use shrouds::optimize::{self, Preset};
 pub(crate) use shrouds_report::{
-    Checks, FirstLast, Geometry, Lattice, RmsMax, Solver as SolverReport, Times, Topology, peak_memory,
+    Checks, FirstLast, Geometry, Lattice, RmsMax, Solver as SolverReport, Times, Topology,
+    peak_memory,
 };
 
 use crate::console::plural;

@@ -1,11 +1,9 @@
-//! What can be laid over a surface: colours, contours, lattice points, slices, and what is known of a vertex.
+//! What can be laid over a surface: colours, contours, lattice points, slices.
 
 use clap::ValueEnum;
 use serde_json::{Value, json};
 use shrouds::Occupancy;
-use shrouds::measure::{contours, curvatures};
-use shrouds::mesh::MeshKind;
-use shrouds::network::Network;
+use shrouds::measure::contours;
 use shrouds::surface;
 use shrouds::volume::{Border, FaceRule};
 use shrouds_view::server::Frame;
@@ -93,7 +91,10 @@ impl Worker {
 
     pub(super) fn points(&self, id: u64, slot: Slot, near: u8) -> Result<(), Ended> {
         if !(1..=FARTHEST).contains(&near) {
-            return Err(Failure::Call(format!("lattice points are shown 1 to {FARTHEST} voxels from the surface")).into());
+            return Err(Failure::Call(format!(
+                "lattice points are shown 1 to {FARTHEST} voxels from the surface"
+            ))
+            .into());
         }
         let volume = &self.data(slot)?.source.occupancy;
         let points = near_surface(volume, near)?;
@@ -111,17 +112,14 @@ impl Worker {
         let data = self.data(slot)?;
         let slice = Slice::new(&data.source.occupancy, axis.index(), index)?;
         let (pixels, shows) = slice.pixels(data);
-        self.answer(id, &json!({ "width": slice.size[0], "height": slice.size[1], "shows": shows }))?;
+        self.answer(
+            id,
+            &json!({ "width": slice.size[0], "height": slice.size[1], "shows": shows }),
+        )?;
         self.show(Frame::image([0, id as u32], slice.size, slice.corners(), &pixels))
     }
 
-    pub(super) fn pick(&self, id: u64, view: ViewNumber, vertex: u32) -> Result<(), Ended> {
-        let surface = self.surface(view)?;
-        let about = about_vertex(surface, vertex)?;
-        self.answer(id, &about)
-    }
-
-    fn show(&self, frame: Frame) -> Result<(), Ended> {
+    pub(super) fn show(&self, frame: Frame) -> Result<(), Ended> {
         self.page.frame(frame).map_err(|_| Ended::Closed)
     }
 }
@@ -157,7 +155,7 @@ fn near_surface(volume: &Occupancy, near: u8) -> Result<Vec<([f32; 3], bool)>, F
     let mut marked = Occupancy::empty(volume.grid().clone());
     let ends = surface::Surface::extract(volume, FaceRule::default(), Border::Closed)?;
     let mut rim: Vec<[usize; 3]> = Vec::new();
-    let mut mark = |marked: &mut Occupancy, rim: &mut Vec<[usize; 3]>, point: [usize; 3]| {
+    let mark = |marked: &mut Occupancy, rim: &mut Vec<[usize; 3]>, point: [usize; 3]| {
         if (0..3).all(|d| point[d] < dims[d]) && !marked.get(point) {
             marked.set(point, true);
             rim.push(point);
@@ -182,9 +180,7 @@ fn near_surface(volume: &Occupancy, near: u8) -> Result<Vec<([f32; 3], bool)>, F
         }
     }
     let spacing = volume.grid().spacing();
-    let place = |point: [usize; 3]| {
-        std::array::from_fn(|d| (point[d] as f64 * spacing[d]) as f32)
-    };
+    let place = |point: [usize; 3]| std::array::from_fn(|d| (point[d] as f64 * spacing[d]) as f32);
     let [nx, ny, nz] = dims;
     let rows = (0..nz).flat_map(|k| (0..ny).map(move |j| (j, k)));
     let all = rows.flat_map(|(j, k)| (0..nx).map(move |i| [i, j, k]));
@@ -194,7 +190,6 @@ fn near_surface(volume: &Occupancy, near: u8) -> Result<Vec<([f32; 3], bool)>, F
 /// A lattice plane of a volume as an image.
 struct Slice<'a> {
     volume: &'a Occupancy,
-    axis: usize,
     index: usize,
     /// The axes along its rows and columns.
     across: [usize; 2],
@@ -209,7 +204,7 @@ impl<'a> Slice<'a> {
             return Err(Failure::Call(format!("there is no slice {index}; give 0 to {last}")));
         }
         let across = [[1, 2], [0, 2], [0, 1]][axis];
-        Ok(Self { volume, axis, index, across, size: across.map(|d| dims[d]) })
+        Ok(Self { volume, index, across, size: across.map(|d| dims[d]) })
     }
 
     fn point(&self, u: usize, v: usize) -> [usize; 3] {
@@ -240,61 +235,11 @@ impl<'a> Slice<'a> {
         let [nx, ny, _] = self.volume.grid().dims();
         let places = points.map(|[i, j, k]| i + nx * (j + ny * k));
         let numbers = values.volume.values.at(places).into_iter();
-        match values.count() {
-            Some(2..=FEW) if values.has_labels() => {
-                (numbers.map(|value| opaque(colour(value as i128))).collect(), "labels")
-            }
-            _ => {
-                let [low, high] = values.range_shown();
-                let grey = |value: f64| (255.0 * (value - low) / (high - low)) as u8;
-                (numbers.map(|value| opaque([grey(value); 3])).collect(), "grey")
-            }
+        if values.labels.as_ref().is_some_and(|labels| labels.len() <= FEW) {
+            return (numbers.map(|value| opaque(colour(value as i128))).collect(), "labels");
         }
+        let (low, high) = values.range.unwrap_or((0.0, 1.0));
+        let grey = |value: f64| (255.0 * (value - low) / (high - low)) as u8;
+        (numbers.map(|value| opaque([grey(value); 3])).collect(), "grey")
     }
-}
-
-/// All that is known of a vertex.
-fn about_vertex(surface: &Surface, vertex: u32) -> Result<Value, Failure> {
-    let shroud = surface.now();
-    let count = shroud.surface.vertex_count();
-    if vertex as usize >= count {
-        return Err(Failure::Call(format!("there is no vertex {vertex} of {count}")));
-    }
-    let v = vertex as usize;
-    let network = &surface.network;
-    let crossing = shroud.surface.crossing(vertex);
-    let delta = shroud.delta[v];
-    // The surface counts from a layer before the first where the border is closed.
-    let margin = if shroud.surface.border() == Border::Closed { 1 } else { 0 };
-    let index = |point: [usize; 3]| point.map(|x| x as i64 - margin);
-    let spacing = surface.source.lattice.spacing();
-    let place = crossing.position(delta);
-    let position: [f64; 3] =
-        std::array::from_fn(|d| (place[d] - margin as f64) * spacing[d]);
-    let neighbours = [0, 1, 2, 3].map(|slot| network.neighbour(vertex, slot).map(|(u, _)| u));
-    let vertices = shrouds::mesh::place_vertices(&shroud.surface, &shroud.delta);
-    let normals = shrouds::mesh::network_normals(&shroud.surface, network, &vertices);
-    let is_primal = surface.job.settings.mesh == MeshKind::Primal;
-    let curvature = is_primal.then(|| curvatures(network, &vertices, &normals)[v]);
-    let rho = rho(surface, network, &shroud.delta, vertex);
-    Ok(json!({
-        "vertex": vertex,
-        "edge": {
-            "axis": crossing.axis(),
-            "inside": index(crossing.inside()),
-            "outside": index(crossing.outside()),
-        },
-        "delta": delta,
-        "position": position,
-        "world": vertices[v],
-        "normal": surface.places.normal(normals[v]),
-        "neighbours": neighbours,
-        "rho": rho,
-        "curvature": curvature.map(|found| json!({
-            "maximum": found.principal[0],
-            "minimum": found.principal[1],
-            "mean": found.mean(),
-            "gaussian": found.gaussian(),
-        })),
-    }))
 }

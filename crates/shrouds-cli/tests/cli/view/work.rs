@@ -40,7 +40,8 @@ fn a_surface_is_the_one_of_the_command_line() {
         );
         folder.succeed(&call);
         let report = folder.json("report.json");
-        let made = page.ask(json!({ "do": "shroud", "view": view, "slot": "a", "settings": settings }));
+        let made =
+            page.ask(json!({ "do": "shroud", "view": view, "slot": "a", "settings": settings }));
         page.ask(json!({ "do": "run", "view": view }));
         let end = page.solver("done");
         page.event("settled");
@@ -109,12 +110,11 @@ fn frames_hold_the_surface() {
     // Outside is right-handed: the volume by the tetrahedra of the triangles.
     let place = |v: u32| -> [f32; 3] {
         let v = v as usize;
-        [0, 1, 2].map(|d| {
-            numbers[4 + 3 * v + d] + delta[v] * numbers[4 + 3 * vertices + 3 * v + d]
-        })
+        [0, 1, 2].map(|d| numbers[4 + 3 * v + d] + delta[v] * numbers[4 + 3 * vertices + 3 * v + d])
     };
     let fitted = page.frames.iter().rfind(|frame| frame.kind == 3).unwrap().words();
-    let volume: f32 = fitted.chunks(3).map(|t| determinant([t[0], t[1], t[2]].map(place)) / 6.0).sum();
+    let volume: f32 =
+        fitted.chunks(3).map(|t| determinant([t[0], t[1], t[2]].map(place)) / 6.0).sum();
     page.ask(json!({ "do": "hello" }));
     assert!((1000.0..4000.0).contains(&volume), "{volume}");
 }
