@@ -1,7 +1,5 @@
 //! A surface in numbers: measures, sizes, the report and the call that makes the same.
 
-use std::time::Instant;
-
 use serde_json::{Map, Value, json};
 use shrouds::Shroud;
 use shrouds::volume::{Border, FaceRule};
@@ -93,12 +91,10 @@ fn judged(surface: &Surface, shroud: &Shroud) -> Result<Report, Failure> {
 
 /// Bytes of the packed file by the bits that each vertex has in it.
 fn sizes(surface: &Surface, shroud: &Shroud) -> Result<Value, Failure> {
-    let start = Instant::now();
     let mut sizes = Map::new();
     for bits in BITS {
         sizes.insert(bits.to_string(), packed(surface, shroud, bits)?.len().into());
     }
-    sizes.insert("seconds".into(), start.elapsed().as_secs_f64().into());
     Ok(sizes.into())
 }
 

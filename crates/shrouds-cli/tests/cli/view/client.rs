@@ -56,13 +56,21 @@ pub(crate) struct Answer {
 impl Bed {
     pub(crate) fn start(folder: &Folder, words: &str) -> Self {
         let words = format!("view --no-open {words}");
+        std::fs::create_dir_all(folder.path("temporary")).unwrap();
         let mut command = command(&folder.path("."), &words);
-        let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
+        command.env("TMPDIR", folder.path("temporary")).stdout(Stdio::piped());
+        let mut child = command.spawn().unwrap();
         let mut line = String::new();
         BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut line).unwrap();
         let address = line.trim().strip_prefix("http://127.0.0.1:").unwrap();
         let (port, token) = address.split_once("/?token=").unwrap();
         Self { child, port: port.parse().unwrap(), token: token.into() }
+    }
+
+    /// Threads of the program, where the system tells it.
+    pub(crate) fn threads(&self) -> Option<usize> {
+        let tasks = std::fs::read_dir(format!("/proc/{}/task", self.child.id())).ok()?;
+        Some(tasks.count())
     }
 
     pub(crate) fn page(&self) -> Page {
