@@ -14,6 +14,7 @@ import { outPanel } from "./panels/out.ts";
 import { describe, layout, legend, makePanes } from "./panels/panes.ts";
 import { PickedPanel } from "./panels/picked.ts";
 import { seeingBar } from "./panels/seeing.ts";
+import { triad } from "./panels/triad.ts";
 import { pointer } from "./pointer.ts";
 import { Stage } from "./scene/stage.ts";
 import { Session } from "./session.ts";
@@ -74,7 +75,7 @@ function build(session: Session, stage: Stage, canvas: HTMLCanvasElement, panes:
   let told = (): void => undefined;
   const key = legend(session, new Looks(session, stage, () => told()));
   told = key.show;
-  part("stage").append(key.element);
+  part("stage").append(triad(stage), key.element);
   pointer(canvas, session, stage, (hit) => void picked.pick(hit));
   dropping(session);
 }

@@ -59,6 +59,7 @@ export class Stage {
   private readonly others = new Map<string, Object3D>();
   private volume: Volume | undefined;
   private fitted = "";
+  private readonly listeners: (() => void)[] = [];
   private waiting = false;
   private glideStart = 0;
   private moving = false;
@@ -272,6 +273,17 @@ export class Stage {
     return this.panes[view]?.surface?.delta;
   }
 
+  /** Where the axes of the lattice point on the screen: right, up, towards the eye. */
+  axisDirections(): number[][] {
+    const turn = new Matrix3().setFromMatrix4(this.camera.current.matrixWorldInverse).multiply(this.directions);
+    return axes.map((_, axis) => new Vector3().setComponent(axis, 1).applyMatrix3(turn).toArray());
+  }
+
+  /** Calls after each picture. */
+  onDraw(listener: () => void): void {
+    this.listeners.push(listener);
+  }
+
   /** The picture as it is now. */
   picture(): Promise<Blob | null> {
     this.render(performance.now());
@@ -297,7 +309,7 @@ export class Stage {
       if (pane && view < state.views) this.pane(pane, rectangle, state);
     });
     const told = this.panes.flatMap((pane) => pane.drawn.splice(0));
-    for (const drawn of told) drawn();
+    for (const drawn of [...told, ...this.listeners]) drawn();
     if (this.glide(started)) this.draw();
   }
 
