@@ -23,6 +23,9 @@ import { Store, type State } from "./state.ts";
 const part = <T extends HTMLElement>(id: string): T => document.getElementById(id) as T;
 
 async function start(): Promise<void> {
+  // The program answers while the graphics card gets ready.
+  const scheme = location.protocol === "https:" ? "wss" : "ws";
+  const socket = new WebSocket(`${scheme}://${location.host}/ws${location.search}`);
   const store = new Store(fromAddress(location.hash));
   theme(store);
   const canvas = part<HTMLCanvasElement>("canvas");
@@ -31,8 +34,6 @@ async function start(): Promise<void> {
   const stage = makeStage(canvas, store, panes);
   if (!stage) return;
   notice("Connecting…");
-  const query = location.search;
-  const socket = `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/ws${query}`;
   const session = await Session.start(socket, store, stage);
   notice();
   build(session, stage, canvas, panes);

@@ -7,6 +7,8 @@ export interface Choice {
   order?: number;
   values?: { value: string; help: string }[];
   range?: [number, number];
+  /** Takes other values too. */
+  text?: boolean;
   /** Has no value: given or not. */
   flag?: boolean;
 }

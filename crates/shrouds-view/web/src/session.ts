@@ -65,6 +65,7 @@ export class Session {
   readonly messages: Message[] = [];
   readonly rows: Record<string, unknown>[] = [];
   work: Work | undefined;
+  private said = 0;
   private readonly listeners: [Topic, () => void][] = [];
   private readonly timers = new Map<number, ReturnType<typeof setTimeout>>();
   private readonly generations = Array<number>(MOST_VIEWS).fill(0);
@@ -76,10 +77,10 @@ export class Session {
 
   private connection!: Connection;
 
-  /** Connects and says hello. */
-  static async start(address: string, store: Store, screen: Screen): Promise<Session> {
+  /** Says hello. */
+  static async start(socket: WebSocket, store: Store, screen: Screen): Promise<Session> {
     const session = new Session(store, screen);
-    session.connection = await Connection.open(address, {
+    session.connection = await Connection.open(socket, {
       event: (name, event) => session.event(name, event),
       frame: (frame) => session.frame(frame),
       closed: (reason) => session.say("error", `${reason} Reload the page to go on: the address keeps your choices.`),
@@ -103,6 +104,10 @@ export class Session {
   }
 
   say(level: Message["level"], text: string): void {
+    // Views that fail alike say so once.
+    const now = performance.now();
+    if (text === this.messages.at(-1)?.text && now - this.said < 2000) return;
+    this.said = now;
     this.messages.push({ level, text });
     if (this.messages.length > 50) this.messages.shift();
     this.tell("messages");

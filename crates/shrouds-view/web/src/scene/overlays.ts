@@ -8,7 +8,7 @@ import { segmentsOf, type Lines, type Plane, type Points as PointsFrame } from "
 import { lineFragment, plainLineVertex, pointFragment, pointVertex } from "./shaders.ts";
 import type { Uniforms } from "./surface.ts";
 
-const NEARER = 3e-4;
+const NEARER = 2e-5;
 
 export function lines(frame: Lines, shared: Uniforms, ink: Vector3): LineSegments {
   const geometry = new BufferGeometry();
