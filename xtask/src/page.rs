@@ -35,7 +35,15 @@ pub(crate) fn build() -> Result<()> {
     execute(&mut npm(&["test", "--silent"]))?;
     let made = target().join("page");
     let made_name = made.display().to_string();
-    execute(&mut npm(&["run", "--silent", "build", "--", "--outDir", &made_name, "--emptyOutDir"]))?;
+    execute(&mut npm(&[
+        "run",
+        "--silent",
+        "build",
+        "--",
+        "--outDir",
+        &made_name,
+        "--emptyOutDir",
+    ]))?;
     let committed = folder().join("dist");
     let (old, new) = (files(&committed)?, files(&made)?);
     let names = old.keys().chain(new.keys());
@@ -55,7 +63,9 @@ fn files(folder: &Path) -> Result<BTreeMap<PathBuf, Vec<u8>>> {
     let mut found = BTreeMap::new();
     let mut folders = vec![folder.to_owned()];
     while let Some(next) = folders.pop() {
-        for entry in fs::read_dir(&next).with_context(|| format!("cannot list {}", next.display()))? {
+        for entry in
+            fs::read_dir(&next).with_context(|| format!("cannot list {}", next.display()))?
+        {
             let path = entry?.path();
             match path.is_dir() {
                 true => folders.push(path),

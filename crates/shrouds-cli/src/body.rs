@@ -8,8 +8,8 @@ use shrouds_io::{Frame, VolumeOptions, read_contents, read_mesh, volume_format};
 
 use crate::args::{LatticeArgs, Winding};
 use crate::failure::Failure;
-use crate::measure::bounds;
 use crate::progress::Progress;
+use shrouds_report::looks::bounds;
 
 /// A mesh with the voxels inside it.
 pub(crate) struct Body {

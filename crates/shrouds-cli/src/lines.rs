@@ -12,7 +12,7 @@ use shrouds_io::{
 use crate::args::PlaneAxis;
 use crate::console::number;
 use crate::failure::Failure;
-use crate::measure::mean_edge;
+use shrouds_report::looks::mean_edge;
 
 /// Most planes at once.
 const MOST: f64 = 10_000.0;

@@ -6,6 +6,7 @@
 
 mod args;
 mod body;
+mod by_name;
 mod certificate;
 mod colouring;
 mod commands;
@@ -18,7 +19,6 @@ mod frame;
 mod input;
 mod label_map;
 mod lines;
-mod measure;
 mod output;
 mod packed;
 mod picture;

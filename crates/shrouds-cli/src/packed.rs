@@ -4,11 +4,9 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-use shrouds::volume::{Border, FaceRule};
 use shrouds_codec::{Error, Header};
 use shrouds_io::Frame;
 
-use crate::args;
 use crate::failure::Failure;
 use crate::report::Lattice;
 
@@ -39,18 +37,4 @@ pub(crate) fn frame(header: &Header) -> Frame {
 
 pub(crate) fn lattice(header: &Header) -> Lattice {
     Lattice::new(&header.grid, &header.space, &header.unit)
-}
-
-pub(crate) fn faces(header: &Header) -> args::Faces {
-    match header.faces {
-        FaceRule::Separate => args::Faces::Separate,
-        FaceRule::Join => args::Faces::Join,
-    }
-}
-
-pub(crate) fn border(header: &Header) -> args::Border {
-    match header.border {
-        Border::Closed => args::Border::Closed,
-        Border::Open => args::Border::Open,
-    }
 }

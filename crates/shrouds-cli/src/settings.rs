@@ -5,14 +5,12 @@ use std::sync::Arc;
 
 use serde::Serialize;
 use shrouds::mesh::{MeshKind, Triangles};
-use shrouds::volume::{self, FaceRule};
-use shrouds::{Occupancy, Settings, optimize};
+use shrouds::optimize::{Preset, Solver, Start, VolumeRule};
+use shrouds::volume::{Border, FaceRule};
+use shrouds::{Choice, Occupancy, Settings, optimize};
 use shrouds_io::{Progress, VolumeOptions};
 
-use crate::args::{
-    Axes, Border, Faces, FrameChoice, Preset, ShroudArgs, SolveArgs, Solver, Start, SurfaceKind,
-    TriangleRule, VolumeArgs, VolumeRule,
-};
+use crate::args::{Axes, FrameChoice, ShroudArgs, SolveArgs, VolumeArgs};
 use crate::console::Console;
 use crate::energies;
 use crate::failure::Failure;
@@ -28,19 +26,26 @@ pub(crate) struct SettingsReport {
     crease: Option<f64>,
     /// The mask of places that need not be smooth; null without.
     rough: Option<String>,
+    #[serde(with = "crate::by_name")]
     solver: Solver,
     /// Null for the sweeps.
-    pub(crate) preset: Option<Preset>,
+    pub(crate) preset: Option<&'static str>,
     /// Null for a preset that does not converge.
     tolerance: Option<f64>,
     max_iterations: usize,
+    #[serde(with = "crate::by_name")]
     start: Start,
     margin: f64,
+    #[serde(with = "crate::by_name")]
     volume: VolumeRule,
-    faces: Faces,
+    #[serde(with = "crate::by_name")]
+    faces: FaceRule,
+    #[serde(with = "crate::by_name")]
     border: Border,
-    surface: SurfaceKind,
-    triangles: TriangleRule,
+    #[serde(with = "crate::by_name")]
+    surface: MeshKind,
+    #[serde(with = "crate::by_name")]
+    triangles: Triangles,
     frame: FrameChoice,
 }
 
@@ -90,34 +95,28 @@ impl Job {
         strict: bool,
         frame: FrameChoice,
     ) -> Result<Self, Failure> {
-        if args.surface == SurfaceKind::Dual && args.border == Border::Open {
+        if args.surface == MeshKind::Dual && args.border == Border::Open {
             let message = "--surface dual needs --border closed; leave one of them out";
             return Err(Failure::Call(message.into()));
         }
         check_volume_rule(args)?;
         let preset = preset(args, strict)?;
         let settings = Settings {
-            faces: face_rule(args.faces),
-            border: border(args.border),
+            faces: args.faces,
+            border: args.border,
             optimize: optimize_settings(args, energy, preset)?,
-            mesh: match args.surface {
-                SurfaceKind::Primal => MeshKind::Primal,
-                SurfaceKind::Dual => MeshKind::Dual,
-            },
-            triangles: match args.triangles {
-                TriangleRule::Fitted => Triangles::Fitted,
-                TriangleRule::Fixed => Triangles::Fixed,
-            },
+            mesh: args.surface,
+            triangles: args.triangles,
         };
         let report = SettingsReport {
             energy: Some(settings.optimize.energy().to_string()),
             crease: None,
             rough: None,
             solver: args.solver,
-            preset,
+            preset: preset.map(Preset::name),
             tolerance: settings.optimize.converges().then(|| settings.optimize.tolerance()),
             max_iterations: settings.optimize.max_iterations(),
-            start: args.start,
+            start: args.start.clone(),
             margin: settings.optimize.margin,
             volume: args.volume,
             faces: args.faces,
@@ -150,7 +149,7 @@ fn check_volume_rule(args: &SolveArgs) -> Result<(), Failure> {
         SolveArgs { volume: VolumeRule::Free, .. } => return Ok(()),
         SolveArgs { solver: Solver::Sweeps, .. } => "--solver newton",
         SolveArgs { border: Border::Open, .. } => "--border closed",
-        SolveArgs { surface: SurfaceKind::Dual, .. } => "--surface primal",
+        SolveArgs { surface: MeshKind::Dual, .. } => "--surface primal",
         _ => return Ok(()),
     };
     Err(Failure::Call(format!("--volume keep needs {needed}; change one of them")))
@@ -182,45 +181,15 @@ fn optimize_settings(
     preset: Option<Preset>,
 ) -> Result<optimize::Settings, Failure> {
     Ok(optimize::Settings {
-        preset: match preset {
-            Some(Preset::Fast) => optimize::Preset::Fast,
-            Some(Preset::Default) => optimize::Preset::Default,
-            Some(Preset::Exact) | None => optimize::Preset::Exact,
-        },
+        preset: preset.unwrap_or(Preset::Exact),
         energy: energies::read(energy, args.parameter.as_deref())?,
-        solver: match args.solver {
-            Solver::Newton => optimize::Solver::Newton,
-            Solver::Sweeps => optimize::Solver::Sweeps,
-        },
-        start: match args.start {
-            Start::Blur => optimize::Start::Blur,
-            Start::Midpoint => optimize::Start::Midpoint,
-            Start::Inside => optimize::Start::Inside,
-            Start::Outside => optimize::Start::Outside,
-            Start::Random(seed) => optimize::Start::Random(seed),
-        },
-        volume: match args.volume {
-            VolumeRule::Free => optimize::VolumeRule::Free,
-            VolumeRule::Keep => optimize::VolumeRule::Keep,
-        },
+        solver: args.solver,
+        start: args.start.clone(),
+        volume: args.volume,
         tolerance: args.tolerance,
         max_iterations: args.max_iterations.map(|n| n as usize),
         ..optimize::Settings::default()
     })
-}
-
-pub(crate) fn face_rule(faces: Faces) -> FaceRule {
-    match faces {
-        Faces::Separate => FaceRule::Separate,
-        Faces::Join => FaceRule::Join,
-    }
-}
-
-pub(crate) fn border(border: Border) -> volume::Border {
-    match border {
-        Border::Closed => volume::Border::Closed,
-        Border::Open => volume::Border::Open,
-    }
 }
 
 /// How the file is read.

@@ -16,7 +16,8 @@ use crate::grid::Grid;
 use crate::measure::area_within;
 use crate::mesh::MeshKind;
 use crate::optimize::VolumeRule;
-use crate::pipeline::{Settings, shroud};
+use crate::pipeline::shroud;
+use crate::settings::Settings;
 use crate::volume::{Border, Occupancy};
 
 /// Lattice points around the face that the work is done on: more than the reach of the solver's stars

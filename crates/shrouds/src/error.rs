@@ -51,6 +51,24 @@ pub enum Error {
         /// What is allowed.
         range: &'static str,
     },
+    /// A setting has no such value.
+    #[error("{setting} is {value:?}, but must be {known}")]
+    Choice {
+        /// Name of the setting.
+        setting: &'static str,
+        /// What was given.
+        value: String,
+        /// What there is.
+        known: String,
+    },
+    /// No setting has this name.
+    #[error("there is no setting named {name:?}; choose one of {known}")]
+    UnknownSetting {
+        /// What was given.
+        name: String,
+        /// The names there are.
+        known: String,
+    },
     /// The surface has more vertices than a 32-bit index can name.
     #[error(
         "the surface has {vertices} vertices; at most {limit} can be indexed: crop or split the volume"

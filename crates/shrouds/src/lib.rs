@@ -20,6 +20,7 @@
 //! The modules below are in the order of the flow; each may use the ones above it that its
 //! documentation names, and `tests/layering.rs` holds them to it.
 
+mod choice;
 mod error;
 mod gather;
 mod parallel;
@@ -36,15 +37,18 @@ pub mod mesh;
 pub mod measure;
 pub mod check;
 pub mod voxelize;
+mod settings;
 mod pipeline;
 pub mod contact;
 pub mod polygon;
 pub mod containment;
 
+pub use choice::{Choice, Named};
 pub use error::Error;
 pub use grid::Grid;
 pub use mesh::TriMesh;
-pub use pipeline::{Settings, Shroud, Times, shroud, shroud_observed};
+pub use pipeline::{Shroud, Times, shroud, shroud_observed};
+pub use settings::{Setting, Settings};
 pub use volume::{Occupancy, Select};
 pub use voxelize::voxelize;
 

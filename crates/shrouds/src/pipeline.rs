@@ -3,26 +3,12 @@
 use std::time::Instant;
 
 use crate::error::Error;
-use crate::mesh::{MeshKind, TriMesh, Triangles, network_normals, place_vertices, slope_normals};
+use crate::mesh::{MeshKind, TriMesh, network_normals, place_vertices, slope_normals};
 use crate::network::Network;
-use crate::optimize::{self, Observer, Optimum, Report, VolumeRule, keep_volumes, optimize};
+use crate::optimize::{Observer, Optimum, Report, VolumeRule, keep_volumes, optimize};
+use crate::settings::Settings;
 use crate::surface::Surface;
-use crate::volume::{Border, FaceRule, Occupancy};
-
-/// Everything a caller can choose.
-#[derive(Clone, Default)]
-pub struct Settings {
-    /// How ambiguous faces are cut. Default [`FaceRule::Separate`].
-    pub faces: FaceRule,
-    /// What lies beyond the volume. Default [`Border::Closed`].
-    pub border: Border,
-    /// Energy, solver, start and stop rule.
-    pub optimize: optimize::Settings,
-    /// Which mesh to make. Default [`MeshKind::Primal`].
-    pub mesh: MeshKind,
-    /// How patches are cut into triangles. Default [`Triangles::Fitted`].
-    pub triangles: Triangles,
-}
+use crate::volume::{Border, Occupancy};
 
 /// An optimal separating surface and all that led to it, but for the network, which
 /// [`Network::trace`](crate::network::Network::trace) finds again.
@@ -53,7 +39,7 @@ pub struct Times {
 
 /// The shroud of a volume: the optimal separating surface of equation 4.
 ///
-/// An empty volume gives an empty mesh, with status [`optimize::Status::Empty`].
+/// An empty volume gives an empty mesh, with status [`Status::Empty`](crate::optimize::Status::Empty).
 ///
 /// # Errors
 /// Those of [`Surface::extract`] and [`optimize()`]; [`Error::Setting`] when a dual mesh is asked of an

@@ -23,7 +23,7 @@ use crate::error::Error;
 use crate::grid::Grid;
 use crate::network::{Curve, Network};
 use crate::optimize::{Observer, Report, optimize};
-use crate::pipeline::Settings;
+use crate::settings::Settings;
 use crate::surface::Surface;
 use crate::vector::{cross, length, subtract};
 use crate::volume::Occupancy;

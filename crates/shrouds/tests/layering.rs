@@ -9,24 +9,25 @@ use std::path::{Path, PathBuf};
 /// Each module with what it may use. A path allows everything below it.
 const ARROWS: &[(&str, &[&str])] = &[
     ("error", &[]),
+    ("choice", &["error"]),
     ("gather", &[]),
     ("parallel", &[]),
     ("random", &[]),
     ("vector", &[]),
     ("tree", &["vector"]),
     ("grid", &["error", "vector"]),
-    ("volume", &["grid", "error", "parallel", "random"]),
+    ("volume", &["grid", "choice", "error", "parallel", "random"]),
     ("surface", &["grid", "volume", "error", "parallel"]),
     ("network", &["surface", "volume", "error", "gather", "parallel"]),
     ("energy", &["error"]),
     (
         "optimize",
         &[
-            "surface", "network", "energy", "volume", "grid", "error", "parallel", "vector",
-            "random",
+            "surface", "network", "energy", "volume", "grid", "choice", "error", "parallel",
+            "vector", "random",
         ],
     ),
-    ("mesh", &["grid", "surface", "network", "error", "parallel", "vector"]),
+    ("mesh", &["grid", "surface", "network", "choice", "error", "parallel", "vector"]),
     (
         "measure",
         &[
@@ -43,16 +44,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ),
     (
         "polygon",
-        &[
-            "grid",
-            "volume",
-            "surface",
-            "network",
-            "optimize",
-            "pipeline::Settings",
-            "error",
-            "vector",
-        ],
+        &["grid", "volume", "surface", "network", "optimize", "settings", "error", "vector"],
     ),
     ("containment", &["grid", "volume", "error", "parallel", "random", "vector"]),
     // The judge shares nothing with what it judges.
@@ -65,8 +57,12 @@ const ARROWS: &[(&str, &[&str])] = &[
             "vector",
         ],
     ),
+    ("settings", &["volume", "energy", "optimize", "mesh", "choice", "error"]),
     // Of two bodies that touch: shrouds of their own, measured.
-    ("contact", &["grid", "volume", "optimize", "mesh", "measure", "pipeline", "error"]),
+    (
+        "contact",
+        &["grid", "volume", "optimize", "mesh", "measure", "pipeline", "settings", "error"],
+    ),
 ];
 
 /// The module that tells the whole story may use everything.

@@ -22,8 +22,8 @@ pub(crate) use contain::ContainArgs;
 pub(crate) use lines::{ContoursArgs, NetworkArgs};
 pub(crate) use measure::MeasureArgs;
 pub(crate) use names::{
-    Attribute, Axes, Border, Each, Faces, Field, FrameChoice, Interpolation, Operation, Places,
-    PlaneAxis, Preset, Profile, Solver, SurfaceKind, TriangleRule, VolumeRule, Winding,
+    Attribute, Axes, Each, Field, FrameChoice, Interpolation, Operation, Places, PlaneAxis,
+    Profile, Winding,
 };
 pub(crate) use operations::{
     CleanArgs, CombineArgs, CropArgs, EditArgs, LatticeArgs, OffsetArgs, ResampleArgs,
@@ -32,7 +32,7 @@ pub(crate) use operations::{
 pub(crate) use pack::{PackArgs, UnpackArgs};
 pub(crate) use polygon::{PolygonArgs, Slice};
 pub(crate) use shroud::{ShroudArgs, SolveArgs};
-pub(crate) use values::{Every, Paint, Start};
+pub(crate) use values::{Every, Paint};
 pub(crate) use verbs::{
     AZIMUTH, CheckArgs, CompareArgs, DemoArgs, ELEVATION, InfoArgs, MeshArgs, RenderArgs, ViewArgs,
 };

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::{ArgGroup, Args};
+use shrouds::volume::{Border, FaceRule};
 
-use crate::args::{Border, Faces, Interpolation, Operation, VolumeArgs, Winding, values};
+use crate::args::{Interpolation, Operation, VolumeArgs, Winding, values};
 
 pub(crate) const COMBINE_HELP: &str = "\
 Both volumes must have the same lattice; `shrouds resample B --like A` brings one onto that of the other.
@@ -98,7 +99,7 @@ pub(crate) struct OffsetArgs {
     #[arg(long)]
     pub(crate) keep_lattice: bool,
     /// What lies beyond the volume: with closed it shrinks away from the border too
-    #[arg(long, value_enum, default_value_t = Border::Closed)]
+    #[arg(long, value_parser = values::choice::<Border>(), default_value_t = Border::Closed)]
     pub(crate) border: Border,
 }
 
@@ -151,8 +152,8 @@ pub(crate) struct CleanArgs {
         default_missing_value = "18446744073709551615", hide_default_value = true)]
     pub(crate) fill_cavities: Option<u64>,
     /// What connects voxels, as in the surface
-    #[arg(long, value_enum, default_value_t = Faces::Separate)]
-    pub(crate) faces: Faces,
+    #[arg(long, value_parser = values::choice::<FaceRule>(), default_value_t = FaceRule::Separate)]
+    pub(crate) faces: FaceRule,
 }
 
 #[derive(Args)]

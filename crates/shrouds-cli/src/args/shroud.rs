@@ -3,11 +3,12 @@
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use shrouds::energy::Parameter;
+use shrouds::mesh::{MeshKind, Triangles};
+use shrouds::optimize::{Preset, Solver, Start, VolumeRule};
+use shrouds::volume::{Border, FaceRule};
 
-use crate::args::values::{self, Start};
-use crate::args::{
-    Border, Faces, FrameChoice, Preset, Solver, SurfaceKind, TriangleRule, VolumeRule,
-};
+use crate::args::FrameChoice;
+use crate::args::values;
 
 #[derive(Args, Clone)]
 #[command(next_help_heading = "Surface")]
@@ -49,7 +50,7 @@ impl ShroudArgs {
 
     /// Whether the call says which mesh is made of a surface.
     pub(crate) fn is_mesh_given(&self) -> bool {
-        self.solve.surface != SurfaceKind::Primal || self.solve.triangles != TriangleRule::Fitted
+        self.solve.surface != MeshKind::Primal || self.solve.triangles != Triangles::Fitted
     }
 }
 
@@ -63,10 +64,10 @@ pub(crate) struct SolveArgs {
     pub(crate) parameter: Option<String>,
     /// How much work newton puts into the minimum [default: default; exact for compare and under
     /// --tolerance or --strict]
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = values::choice::<Preset>())]
     pub(crate) preset: Option<Preset>,
     /// How the minimum is sought
-    #[arg(long, value_enum, default_value_t = Solver::Newton)]
+    #[arg(long, value_parser = values::choice::<Solver>(), default_value_t = Solver::Newton)]
     pub(crate) solver: Solver,
     /// When to stop, above 0 and below 1. newton: root mean square of the remaining step, in voxels;
     /// not for --preset fast or default [default: 5e-4]; sweeps: relative change in one sweep
@@ -82,20 +83,20 @@ pub(crate) struct SolveArgs {
     #[arg(long, default_value_t = Start::Blur)]
     pub(crate) start: Start,
     /// Whether the volume of every connected component is left to the energy
-    #[arg(long, value_enum, default_value_t = VolumeRule::Free)]
+    #[arg(long, value_parser = values::choice::<VolumeRule>(), default_value_t = VolumeRule::Free)]
     pub(crate) volume: VolumeRule,
     /// How ambiguous cell faces are cut
-    #[arg(long, value_enum, default_value_t = Faces::Separate)]
-    pub(crate) faces: Faces,
+    #[arg(long, value_parser = values::choice::<FaceRule>(), default_value_t = FaceRule::Separate)]
+    pub(crate) faces: FaceRule,
     /// What lies beyond the volume
-    #[arg(long, value_enum, default_value_t = Border::Closed)]
+    #[arg(long, value_parser = values::choice::<Border>(), default_value_t = Border::Closed)]
     pub(crate) border: Border,
     /// Which mesh to make
-    #[arg(long, value_enum, default_value_t = SurfaceKind::Primal)]
-    pub(crate) surface: SurfaceKind,
+    #[arg(long, value_parser = values::choice::<MeshKind>(), default_value_t = MeshKind::Primal)]
+    pub(crate) surface: MeshKind,
     /// How patches are cut into triangles
-    #[arg(long, value_enum, default_value_t = TriangleRule::Fitted)]
-    pub(crate) triangles: TriangleRule,
+    #[arg(long, value_parser = values::choice::<Triangles>(), default_value_t = Triangles::Fitted)]
+    pub(crate) triangles: Triangles,
 }
 
 /// The coordinates of the mesh that is written or checked.

@@ -1,59 +1,17 @@
 //! Values that need more than a number to be read.
 
-use std::str::FromStr;
-
 use clap::ValueEnum;
-use serde::{Serialize, Serializer};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use shrouds::Choice;
 use shrouds::energy::Energy;
 use shrouds_io::ElementType;
 
 use crate::args::{Field, PlaneAxis};
 
-/// Where the vertices start.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Start {
-    Blur,
-    Midpoint,
-    Inside,
-    Outside,
-    Random(u64),
-}
-
-impl FromStr for Start {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let seed = |seed: &str| seed.parse().map_err(|_| format!("the seed '{seed}' is no number"));
-        match text.split_once(':') {
-            None if text == "blur" => Ok(Self::Blur),
-            None if text == "midpoint" => Ok(Self::Midpoint),
-            None if text == "inside" => Ok(Self::Inside),
-            None if text == "outside" => Ok(Self::Outside),
-            Some(("random", text)) => Ok(Self::Random(seed(text)?)),
-            _ => {
-                Err("give blur, midpoint, inside, outside or random:SEED with a whole number"
-                    .into())
-            }
-        }
-    }
-}
-
-impl std::fmt::Display for Start {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Blur => write!(f, "blur"),
-            Self::Midpoint => write!(f, "midpoint"),
-            Self::Inside => write!(f, "inside"),
-            Self::Outside => write!(f, "outside"),
-            Self::Random(seed) => write!(f, "random:{seed}"),
-        }
-    }
-}
-
-impl Serialize for Start {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(self)
-    }
+/// Reads a choice of the library by its name.
+pub(crate) fn choice<T: Choice>() -> impl TypedValueParser<Value = T> {
+    let values = T::ALL.iter().map(|named| PossibleValue::new(named.name).help(named.summary));
+    PossibleValuesParser::new(values).try_map(|name| T::by_name(&name))
 }
 
 /// What a surface is coloured with.
@@ -195,8 +153,6 @@ mod tests {
 
     #[test]
     fn values_are_read_or_refused() {
-        assert_eq!("random:7".parse(), Ok(Start::Random(7)));
-        assert_eq!("random:7".parse::<Start>().unwrap().to_string(), "random:7");
         assert_eq!(spacing("1, 2,.5"), Ok([1.0, 2.0, 0.5]));
         assert_eq!((lengths("2"), lengths("1,2,3")), (Ok([2.0; 3]), Ok([1.0, 2.0, 3.0])));
         assert!(["", "0", "1,2", "x"].iter().all(|s| lengths(s).is_err()));
@@ -204,11 +160,6 @@ mod tests {
         assert!(["3,4", "3,4,0", "3,4,x"].iter().all(|s| dims(s).is_err()));
         assert!(element("uint16").is_ok() && element("word").is_err());
         assert_eq!(colour("#ff8000"), Ok([255, 128, 0]));
-        assert!(
-            ["random", "random:", "random:-1", "blur:1"]
-                .iter()
-                .all(|s| s.parse::<Start>().is_err())
-        );
         assert!(["1,2", "1,2,0", "1,2,-3", "1,2,inf", "a"].iter().all(|s| spacing(s).is_err()));
         assert!(["ff80", "+f8000", "gg0000"].iter().all(|s| colour(s).is_err()));
         assert_eq!(paint("00ff00"), Ok(Paint::Plain([0, 255, 0])));

@@ -3,11 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use shrouds::volume::{Border, FaceRule};
 
 use crate::args::shroud::FrameArgs;
-use crate::args::{
-    Attribute, Border, Each, Every, Faces, Paint, ShroudArgs, SolveArgs, VolumeArgs, values,
-};
+use crate::args::{Attribute, Each, Every, Paint, ShroudArgs, SolveArgs, VolumeArgs, values};
 
 /// Where the viewer stands unless told otherwise: seen from there each of the linked tori shows its hole.
 pub(crate) const AZIMUTH: f64 = -75.0;
@@ -158,10 +157,10 @@ pub(crate) struct CheckArgs {
     pub(crate) certificate: Option<PathBuf>,
     /// How the mesh should pass through ambiguous cell faces, which decides the expected topology
     /// [default: separate]
-    #[arg(long, value_enum)]
-    pub(crate) faces: Option<Faces>,
+    #[arg(long, value_parser = values::choice::<FaceRule>())]
+    pub(crate) faces: Option<FaceRule>,
     /// Where the mesh may end [default: closed]
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = values::choice::<Border>())]
     pub(crate) border: Option<Border>,
     /// Follow the voxel rows along y and z too: finds more on meshes with holes
     #[arg(long)]

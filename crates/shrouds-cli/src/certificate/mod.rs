@@ -15,8 +15,9 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use shrouds::check::TOUCH;
+use shrouds::volume::{Border, FaceRule};
 
-use crate::args::{Border, Faces, FrameChoice, Reading};
+use crate::args::{FrameChoice, Reading};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::output::write_json;
@@ -72,8 +73,10 @@ struct MeshPart {
 #[derive(Serialize, Deserialize, Clone, Copy)]
 #[serde(deny_unknown_fields)]
 struct SettingsPart {
+    #[serde(with = "crate::by_name")]
     border: Border,
-    faces: Faces,
+    #[serde(with = "crate::by_name")]
+    faces: FaceRule,
     /// Coordinates of the mesh.
     frame: FrameChoice,
     all_axes: bool,

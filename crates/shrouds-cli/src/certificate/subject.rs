@@ -3,16 +3,16 @@
 use std::path::Path;
 
 use shrouds::check::{CheckReport, CheckSettings, check};
+use shrouds::volume::{Border, FaceRule};
 use shrouds::{Grid, Occupancy, TriMesh};
 use shrouds_io::{mesh_format, read_mesh, volume_format};
 
-use crate::args::{Border, Faces, FrameChoice, VolumeArgs};
+use crate::args::{FrameChoice, VolumeArgs};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::input;
 use crate::progress::Progress;
 use crate::selection::Selection;
-use crate::settings::{border, face_rule};
 
 /// A mesh, the volume it is to be the surface of, and how.
 #[derive(Clone, Copy)]
@@ -22,7 +22,7 @@ pub(crate) struct Subject<'a> {
     /// Which voxels are inside, and the coordinates of the mesh.
     pub(crate) selection: &'a VolumeArgs,
     pub(crate) border: Border,
-    pub(crate) faces: Faces,
+    pub(crate) faces: FaceRule,
     pub(crate) all_axes: bool,
 }
 
@@ -68,8 +68,8 @@ impl Subject<'_> {
         let mesh = read_mesh(self.mesh)?;
         progress.stage("checking");
         let settings = CheckSettings {
-            border: border(self.border),
-            faces: face_rule(self.faces),
+            border: self.border,
+            faces: self.faces,
             all_axes: self.all_axes,
             self_intersections: true,
         };

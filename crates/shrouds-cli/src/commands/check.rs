@@ -5,8 +5,9 @@ use std::path::Path;
 use serde::Serialize;
 use shrouds::Occupancy;
 use shrouds::check::{CheckReport, Found};
+use shrouds::volume::{Border, FaceRule};
 
-use crate::args::{Axes, Border, CheckArgs, Faces};
+use crate::args::{Axes, CheckArgs};
 use crate::certificate::{self, Examined, Subject, Verdict};
 use crate::console::{Console, grouped, print_json};
 use crate::failure::Failure;
@@ -33,7 +34,7 @@ fn check(args: &CheckArgs, volume: &Path, console: Console) -> Result<(), Failur
         volume,
         selection: &args.selection,
         border: args.border.unwrap_or(Border::Closed),
-        faces: args.faces.unwrap_or(Faces::Separate),
+        faces: args.faces.unwrap_or(FaceRule::Separate),
         all_axes: args.all_axes,
     };
     subject.check_formats()?;

@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use shrouds::mesh::MeshKind;
 use shrouds_io::write_npy;
 
-use crate::args::{DemoArgs, SurfaceKind};
+use crate::args::DemoArgs;
 use crate::commands::figures;
 use crate::console::{Console, grouped, number, plural, print_json};
 use crate::failure::Failure;
@@ -33,7 +34,7 @@ pub(crate) fn run(args: &DemoArgs, console: Console) -> Result<(), Failure> {
     }
     let start = Instant::now();
     let job = Job::new(&args.shroud, args.frame.frame)?;
-    if args.network && args.shroud.solve.surface == SurfaceKind::Dual {
+    if args.network && args.shroud.solve.surface == MeshKind::Dual {
         return Err(Failure::Call(NETWORK_ON_DUAL.into()));
     }
     job.warn(console);

@@ -21,7 +21,6 @@ use crate::output::check_targets;
 use crate::progress::Progress;
 use crate::report::name;
 use crate::selection::Selection;
-use crate::settings::{border, face_rule};
 
 /// A volume that was written.
 #[derive(Debug, Serialize)]
@@ -82,7 +81,7 @@ pub(crate) fn offset(args: &OffsetArgs, console: Console) -> Result<(), Failure>
                 work.notes.push(format!("the lattice grew from {dims:?} to {grown:?} voxels"));
             }
         }
-        work.volume = work.volume.offset(args.by, border(args.border))?;
+        work.volume = work.volume.offset(args.by, args.border)?;
         Ok(())
     })
 }
@@ -142,7 +141,7 @@ fn lattice_of(path: &Path, work: &mut Work) -> Result<Grid, Failure> {
 }
 
 pub(crate) fn clean(args: &CleanArgs, console: Console) -> Result<(), Failure> {
-    let rule = face_rule(args.faces);
+    let rule = args.faces;
     edit(&args.edit, &[], console, |work, progress| {
         progress.stage("finding the components");
         if let Some(least) = args.drop_below {

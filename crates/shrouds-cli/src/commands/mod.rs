@@ -1,7 +1,7 @@
 //! What each verb does.
 
 mod check;
-mod compare;
+pub(crate) mod compare;
 mod contain;
 mod contours;
 mod demo;

@@ -5,9 +5,10 @@ use std::time::Instant;
 use serde::Serialize;
 use shrouds::Grid;
 use shrouds::measure::{Contour, network_contours};
+use shrouds::mesh::MeshKind;
 use shrouds::network::Network;
 
-use crate::args::{FrameChoice, NetworkArgs, SurfaceKind};
+use crate::args::{FrameChoice, NetworkArgs};
 use crate::console::{Console, grouped, number, plural, print_json};
 use crate::failure::Failure;
 use crate::frame;
@@ -15,7 +16,7 @@ use crate::input;
 use crate::lines;
 use crate::output::check_targets;
 use crate::progress::Progress;
-use crate::report::{Input, Solver};
+use crate::report::{Input, SolverReport};
 use crate::settings::{Job, SettingsReport};
 use crate::work;
 
@@ -23,7 +24,7 @@ use crate::work;
 struct Report {
     input: Input,
     settings: SettingsReport,
-    solver: Solver,
+    solver: SolverReport,
     /// Curves across the axes of the lattice.
     families: Vec<Family>,
     /// Seconds.
@@ -45,7 +46,7 @@ struct Family {
 
 pub(crate) fn run(args: &NetworkArgs, console: Console) -> Result<(), Failure> {
     let start = Instant::now();
-    if args.shroud.solve.surface == SurfaceKind::Dual {
+    if args.shroud.solve.surface == MeshKind::Dual {
         let message = "the network is part of the primal mesh only: leave --surface dual out";
         return Err(Failure::Call(message.into()));
     }
@@ -75,7 +76,7 @@ pub(crate) fn run(args: &NetworkArgs, console: Console) -> Result<(), Failure> {
     let report = Report {
         input: Input::new(&source),
         settings: job.report.clone(),
-        solver: Solver::new(&shroud.report),
+        solver: SolverReport::new(&shroud.report),
         families: families.iter().enumerate().map(|(axis, f)| Family::new(axis, f)).collect(),
         time: start.elapsed().as_secs_f64(),
         version: env!("CARGO_PKG_VERSION"),

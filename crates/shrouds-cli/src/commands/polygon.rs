@@ -5,6 +5,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use serde::Serialize;
+use shrouds::mesh::{MeshKind, Triangles};
+use shrouds::optimize::{Preset, Solver, VolumeRule};
 use shrouds::polygon::{Polygon, Separation, place, separate_observed};
 use shrouds::volume::Border;
 use shrouds::{Grid, Occupancy};
@@ -13,16 +15,14 @@ use shrouds_io::{
 };
 use shrouds_view::Plan;
 
-use crate::args::{
-    FrameChoice, PolygonArgs, Preset, Slice, SolveArgs, SurfaceKind, TriangleRule, VolumeRule,
-};
+use crate::args::{FrameChoice, PolygonArgs, Slice, SolveArgs};
 use crate::console::{Console, grouped, number, plural, print_json};
 use crate::failure::Failure;
 use crate::frame;
 use crate::input::{self, Source};
 use crate::output::{check_targets, write_json};
 use crate::progress::Progress;
-use crate::report::{Input, Solver};
+use crate::report::{Input, SolverReport};
 use crate::settings::{Job, SettingsReport};
 use crate::work;
 
@@ -41,7 +41,7 @@ struct Report {
     /// The axis across the image and its index, as typed.
     slice: String,
     settings: SettingsReport,
-    solver: Solver,
+    solver: SolverReport,
     geometry: Geometry,
     /// Seconds.
     times: Times,
@@ -109,7 +109,7 @@ pub(crate) fn run(args: &PolygonArgs, console: Console) -> Result<(), Failure> {
         input: Input::new(&source),
         slice: slice.to_string(),
         settings: job.report.clone(),
-        solver: Solver::new(&found.report),
+        solver: SolverReport::new(&found.report),
         geometry: Geometry::new(&image, &found.polygons),
         times: Times {
             read: source.seconds,
@@ -145,8 +145,8 @@ pub(crate) fn run(args: &PolygonArgs, console: Console) -> Result<(), Failure> {
 /// on until it converges.
 fn job(args: &PolygonArgs) -> Result<Job, Failure> {
     let refused = match &args.shroud.solve {
-        SolveArgs { surface: SurfaceKind::Dual, .. } => Some("--surface dual"),
-        SolveArgs { triangles: TriangleRule::Fixed, .. } => Some("--triangles fixed"),
+        SolveArgs { surface: MeshKind::Dual, .. } => Some("--surface dual"),
+        SolveArgs { triangles: Triangles::Fixed, .. } => Some("--triangles fixed"),
         SolveArgs { volume: VolumeRule::Keep, .. } => Some("--volume keep"),
         _ => None,
     };
@@ -155,7 +155,7 @@ fn job(args: &PolygonArgs) -> Result<Job, Failure> {
         return Err(Failure::Call(format!("{option} {message}")));
     }
     let mut shroud = args.shroud.clone();
-    if shroud.solve.solver == crate::args::Solver::Newton && shroud.crease.is_none() {
+    if shroud.solve.solver == Solver::Newton && shroud.crease.is_none() {
         shroud.solve.preset = shroud.solve.preset.or(Some(Preset::Exact));
     }
     Job::new(&shroud, args.volume.coordinates())

@@ -1,11 +1,12 @@
 //! `shrouds render`: a mesh, or the shroud of a volume, into a picture.
 
 use shrouds::measure::contours;
+use shrouds::mesh::MeshKind;
 use shrouds::{Grid, TriMesh, optimize};
 use shrouds_io::read_mesh;
 use shrouds_view::{Figure, LineSet};
 
-use crate::args::{Every, Field, FrameChoice, Paint, RenderArgs, SurfaceKind};
+use crate::args::{Every, Field, FrameChoice, Paint, RenderArgs};
 use crate::colouring::{Numbers, Unit};
 use crate::console::{Console, grouped, number};
 use crate::failure::Failure;
@@ -64,7 +65,7 @@ fn check_network(args: &RenderArgs, kind: Kind) -> Result<(), Failure> {
     let message = match kind {
         _ if !args.network => return Ok(()),
         Kind::Mesh => "--network needs a volume: a mesh file does not hold the slice curves",
-        Kind::Volume if args.shroud.solve.surface == SurfaceKind::Dual => NETWORK_ON_DUAL,
+        Kind::Volume if args.shroud.solve.surface == MeshKind::Dual => NETWORK_ON_DUAL,
         Kind::Volume => return Ok(()),
     };
     Err(Failure::Call(message.into()))
@@ -79,7 +80,7 @@ fn check_colours(args: &RenderArgs, kind: Kind) -> Result<(), Failure> {
             "--colour delta needs a volume: a mesh file does not hold the grid edges of its vertices"
         }
         (Paint::Field(Field::Delta), Kind::Volume)
-            if args.shroud.solve.surface == SurfaceKind::Dual =>
+            if args.shroud.solve.surface == MeshKind::Dual =>
         {
             "--colour delta cannot go with --surface dual: its vertices do not lie on grid edges"
         }
@@ -121,10 +122,10 @@ impl Subject {
         let numbers = match (args.figure.colour, args.shroud.solve.surface) {
             (Paint::Plain(_), _) => None,
             (Paint::Field(Field::Delta), _) => Some(Numbers::deltas(&shroud.delta)),
-            (Paint::Field(field), SurfaceKind::Primal) => {
+            (Paint::Field(field), MeshKind::Primal) => {
                 Some(Numbers::of_primal(field, &shroud, &unit))
             }
-            (Paint::Field(field), SurfaceKind::Dual) => {
+            (Paint::Field(field), MeshKind::Dual) => {
                 Some(Numbers::of_mesh(field, &shroud.mesh, &unit)?)
             }
         };

@@ -33,8 +33,8 @@ struct State {
     /// Number of the work that goes on or was the last.
     work: u64,
     is_closed: bool,
-    /// Whether the page has positions that it has not drawn yet.
-    is_drawing: bool,
+    /// The surface of the positions that the page has and has not drawn yet.
+    drawing: Option<u32>,
     /// The newest positions that came meanwhile.
     next: Option<Frame>,
 }
@@ -96,31 +96,33 @@ impl Control {
 
     /// Sends positions unless the page draws others; then they wait, and take the place of those that
     /// waited.
-    pub(super) fn offer(&self, page: &Page, frame: Frame) -> Result<(), Closed> {
+    pub(super) fn offer(&self, page: &Page, revision: u32, frame: Frame) -> Result<(), Closed> {
         let mut state = self.lock();
-        if state.is_drawing {
+        if state.drawing == Some(revision) {
             state.next = Some(frame);
             return Ok(());
         }
-        state.is_drawing = true;
+        (state.next, state.drawing) = (None, Some(revision));
         drop(state);
         page.frame(frame)
     }
 
     /// Sends positions that have to arrive, and none before them that still wait.
-    pub(super) fn send(&self, page: &Page, frame: Frame) -> Result<(), Closed> {
+    pub(super) fn send(&self, page: &Page, revision: u32, frame: Frame) -> Result<(), Closed> {
         let mut state = self.lock();
-        state.next = None;
-        state.is_drawing = true;
+        (state.next, state.drawing) = (None, Some(revision));
         drop(state);
         page.frame(frame)
     }
 
-    /// The page has drawn what it has.
-    pub(super) fn acknowledge(&self, page: &Page) {
+    /// The page has drawn what it has of a surface.
+    pub(super) fn acknowledge(&self, page: &Page, revision: u32) {
         let mut state = self.lock();
+        if state.drawing != Some(revision) {
+            return;
+        }
         // Sent under the lock, so that nothing newer goes before.
         let sent = state.next.take().map(|frame| page.frame_at_once(frame));
-        state.is_drawing = matches!(sent, Some(Ok(())));
+        state.drawing = matches!(sent, Some(Ok(()))).then_some(revision);
     }
 }

@@ -8,11 +8,17 @@
 //!
 //! `docs/test-bed.md` has all messages.
 
+mod compare;
 mod control;
 mod edit;
+mod export;
+mod look;
+mod numbers;
 mod page;
+mod pick;
 mod place;
 mod request;
+mod scene;
 mod solver;
 mod surface;
 mod typed;
@@ -76,7 +82,9 @@ impl Session {
     fn take(&self, request: Request) {
         let control = request.task.view().map(|view| &self.controls[view.index()]);
         match (&request.task, control) {
-            (Task::Ack { .. }, Some(control)) => return control.acknowledge(&self.page),
+            (Task::Ack { revision, .. }, Some(control)) => {
+                return control.acknowledge(&self.page, *revision);
+            }
             (Task::Pause { .. }, Some(control)) => control.wish(Wish::Pause),
             (Task::Cancel { .. }, Some(control)) => control.wish(Wish::Cancel),
             (Task::Run { .. }, Some(control)) => control.wish(Wish::Run),

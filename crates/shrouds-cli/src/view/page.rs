@@ -42,6 +42,10 @@ impl Page {
         let _ = self.event("message", json!({ "level": "warning", "text": text }));
     }
 
+    pub(super) fn is_gone(&self) -> bool {
+        self.out.is_closed()
+    }
+
     pub(super) fn frame(&self, frame: Frame) -> Result<(), Closed> {
         self.out.frame(frame)
     }

@@ -71,7 +71,9 @@ pub(super) enum Task {
     Ack {
         view: ViewNumber,
         revision: u32,
-        iteration: u64,
+        /// For whoever reads along.
+        #[serde(rename = "iteration")]
+        _iteration: u64,
     },
     Numbers {
         view: ViewNumber,

@@ -85,7 +85,7 @@ impl Watch<'_> {
         let frame = Frame::deltas(surface.header(), delta.iter().copied());
         surface.pass(delta.clone());
         let told = self.tell("running", &now, &delta);
-        if told.and_then(|()| control.offer(page, frame)).is_err() {
+        if told.and_then(|()| control.offer(page, surface.revision, frame)).is_err() {
             return ControlFlow::Break(());
         }
         self.iteration = now.iteration;
@@ -103,7 +103,8 @@ impl Watch<'_> {
     fn pause(&self, now: &Progress, delta: &[f32]) -> Result<(), Closed> {
         let Solver { surface, control, page, .. } = self.solver;
         self.tell("paused", now, delta)?;
-        control.send(page, Frame::deltas(surface.header(), delta.iter().copied()))?;
+        let frame = Frame::deltas(surface.header(), delta.iter().copied());
+        control.send(page, surface.revision, frame)?;
         let delta: Vec<f64> = delta.iter().map(|&x| x.into()).collect();
         let vertices = place_vertices(&surface.start.surface, &delta);
         let normals = network_normals(&surface.start.surface, &surface.network, &vertices);
@@ -166,7 +167,7 @@ impl Watch<'_> {
             }),
         )?;
         let delta = shroud.delta.iter().map(|&x| x as f32);
-        control.send(page, Frame::deltas(surface.header(), delta))?;
+        control.send(page, surface.revision, Frame::deltas(surface.header(), delta))?;
         surface.send_end(page, &shroud)
     }
 }

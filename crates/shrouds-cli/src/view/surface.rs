@@ -6,7 +6,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use serde_json::{Value, json};
 use shrouds::mesh::{MeshKind, Triangles};
 use shrouds::network::Network;
-use shrouds::optimize::VolumeRule;
+use shrouds::optimize::{Start, VolumeRule};
+use shrouds::surface::Crossing;
 use shrouds::{Settings, Shroud, TriMesh, shroud_observed};
 use shrouds_view::server::{Closed, Frame, Topology};
 
@@ -34,6 +35,8 @@ pub(super) struct Surface {
     pub(super) network: Network,
     pub(super) places: Places,
     pub(super) start: Arc<Shroud>,
+    /// Where the page shows the vertices first, if not at the start: δ.
+    kept: Option<Vec<f64>>,
     shown: Mutex<Shown>,
 }
 
@@ -50,20 +53,33 @@ struct Shown {
 }
 
 impl Surface {
-    /// The surface of a volume, at its start.
+    /// The surface of a volume, at its start; or where the one `before` left the vertices that both have,
+    /// if the end does not depend on the start.
     pub(super) fn begin(
         view: ViewNumber,
         revision: u32,
         slot: Slot,
         data: &Data,
         typed: Typed,
+        before: Option<&Self>,
     ) -> Result<Self, Failure> {
-        let job = typed.job()?;
+        let mut job = typed.job()?;
         let volume = &data.source.occupancy;
         work::require_surface(volume, &job)?;
-        let start = Arc::new(shroud_observed(volume, &at_start(&job.settings), &mut |_| {
-            ControlFlow::Continue(())
-        })?);
+        let begin = |settings: &Settings| {
+            shroud_observed(volume, &at_start(settings), &mut |_| ControlFlow::Continue(()))
+        };
+        let start = begin(&job.settings)?;
+        let kept = before.and_then(|before| before.carry(&start));
+        let start = match kept.clone().filter(|_| job.settings.optimize.converges()) {
+            // It ends at the same place from anywhere, and from here sooner.
+            Some(kept) => {
+                job.settings.optimize.start = Start::Given(kept.into());
+                begin(&job.settings)?
+            }
+            None => start,
+        };
+        let start = Arc::new(start);
         let shown =
             Shown { shroud: start.clone(), is_result: false, passing: None, sent: start.clone() };
         Ok(Self {
@@ -78,6 +94,7 @@ impl Surface {
             network: Network::trace(&start.surface),
             places: Places::of(volume.grid()),
             start,
+            kept,
             shown: Mutex::new(shown),
         })
     }
@@ -122,8 +139,33 @@ impl Surface {
         let network = &self.network;
         let topology = Topology { surface, network, triangles: &triangles, are_fixed };
         page.frame(Frame::topology(self.header(), &topology))?;
-        self.send_deltas(page, &self.start.delta)?;
+        self.send_deltas(page, self.kept.as_deref().unwrap_or(&self.start.delta))?;
         self.send_mesh(page, &self.start)
+    }
+
+    /// The δ that this surface has for the vertices of another one, and those of the other where it has
+    /// no such vertex; none if it never left its start.
+    fn carry(&self, start: &Shroud) -> Option<Vec<f64>> {
+        let now = self.now();
+        let is_at_start = Arc::ptr_eq(&now, &self.start) && self.kept.is_none();
+        let is_same_lattice = now.surface.grid() == start.surface.grid();
+        if is_at_start || !is_same_lattice {
+            return None;
+        }
+        // Both go through the grid edges in the same order.
+        let key = |crossing: &Crossing| {
+            let [i, j, k] = crossing.low();
+            (k, j, crossing.axis(), i)
+        };
+        let mut known = now.surface.crossings().zip(&now.delta).peekable();
+        let mut carried = start.delta.clone();
+        for (crossing, delta) in start.surface.crossings().zip(&mut carried) {
+            while known.next_if(|(other, _)| key(other) < key(&crossing)).is_some() {}
+            if let Some((_, own)) = known.next_if(|(other, _)| *other == crossing) {
+                *delta = *own;
+            }
+        }
+        Some(carried)
     }
 
     /// Goes back to the start.

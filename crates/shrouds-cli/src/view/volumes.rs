@@ -7,9 +7,10 @@ use std::time::Instant;
 use serde_json::{Value, json};
 use shrouds::Occupancy;
 use shrouds::volume::{self, Border};
-use shrouds_io::{Contents, Volume, VolumeOptions, read_contents, read_volume};
+use shrouds_io::{Contents, Frame, Volume, VolumeOptions, read_contents, read_volume};
 use shrouds_view::server::{Files, Upload};
 
+use super::edit::Edits;
 use super::page::Page;
 use super::request::{Origin, Slot};
 use super::typed;
@@ -37,7 +38,7 @@ pub(super) struct Data {
     pub(super) name: Name,
     /// Options of the command line that select it.
     pub(super) words: Vec<String>,
-    pub(super) edits: super::edit::Edits,
+    pub(super) edits: Edits,
     warnings: Vec<String>,
 }
 
@@ -66,8 +67,8 @@ pub(super) struct Values {
     words: Vec<String>,
     contents: Contents,
     /// Labels and how many voxels have them, if there are not too many.
-    labels: Option<Vec<(i128, u64)>>,
-    range: Option<(f64, f64)>,
+    pub(super) labels: Option<Vec<(i128, u64)>>,
+    pub(super) range: Option<(f64, f64)>,
     _upload: Option<Upload>,
 }
 
@@ -117,7 +118,7 @@ impl Data {
             values: None,
             name,
             words: Vec::new(),
-            edits: Default::default(),
+            edits: Edits::default(),
             warnings: Vec::new(),
         }
     }
@@ -172,17 +173,22 @@ impl Data {
     }
 
     /// A volume made of this one.
-    pub(super) fn made(&self, occupancy: Occupancy, how: &str) -> Self {
+    fn made(&self, occupancy: Occupancy, how: &str) -> Self {
+        Self::made_here(occupancy, Name::Made(how.into()), self.source.frame.clone())
+    }
+
+    /// A volume of which there is no file.
+    pub(super) fn made_here(occupancy: Occupancy, name: Name, frame: Frame) -> Self {
         let source = Source {
-            path: PathBuf::from(how),
+            path: PathBuf::from(name.text()),
             selection: "all but 0".into(),
             lattice: occupancy.grid().clone(),
             occupancy,
-            frame: self.source.frame.clone(),
+            frame,
             truth: [None; 2],
             seconds: 0.0,
         };
-        Self::new(source, Name::Made(how.into()))
+        Self::new(source, name)
     }
 
     /// What the page is told.
@@ -205,7 +211,7 @@ impl Data {
             "unit": frame.unit,
             "inside": occupancy.count(),
             "selected": selection,
-            "labels": values.and_then(Values::labels),
+            "labels": values.and_then(Values::labels_for_page),
             "range": values.and_then(|values| values.range).map(|(low, high)| [low, high]),
             "warnings": warnings,
             "seconds": seconds,
@@ -256,7 +262,7 @@ impl Values {
     }
 
     /// Labels with their counts, names and colours.
-    fn labels(&self) -> Option<Value> {
+    fn labels_for_page(&self) -> Option<Value> {
         let named = |label: i128| {
             let mut segments = self.contents.segments.iter();
             segments.find(|segment| segment.label == label).map(|segment| segment.name.clone())
@@ -325,6 +331,9 @@ pub(super) fn selection(
     threshold: Option<f64>,
 ) -> Result<Vec<String>, Failure> {
     match (labels, threshold) {
+        (Some(labels), None) if labels.is_empty() => {
+            Err(Failure::Call("choose at least one label".into()))
+        }
         (Some(labels), None) => Ok(labels.iter().map(|label| format!("--label={label}")).collect()),
         (None, Some(level)) => Ok(vec![format!("--threshold={level}")]),
         (None, None) => Ok(Vec::new()),

@@ -1,5 +1,6 @@
 //! Who does what takes time, one request after the other.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 use std::thread::JoinHandle;
@@ -11,16 +12,21 @@ use shrouds::volume::phantom::NAMES;
 use shrouds_view::server::{Closed, Files};
 
 use super::control::{Control, Wish};
+use super::export;
+use super::look;
 use super::page::Page;
 use super::request::{Origin, Request, Settings, Slot, Task, ViewNumber};
+use super::scene::Sonar;
 use super::solver::Solver;
 use super::surface::Surface;
 use super::typed::{self, Typed};
 use super::volumes::{self, Data};
 use super::{Host, VIEWS};
+use crate::args::FrameChoice;
 use crate::energies;
 use crate::failure::Failure;
 use crate::phantom;
+use crate::scene;
 
 /// The volumes and surfaces of a session.
 pub(super) struct Worker {
@@ -31,6 +37,9 @@ pub(super) struct Worker {
     views: [Option<View>; VIEWS],
     /// How many surfaces there were.
     revisions: u32,
+    /// Files that the page may fetch.
+    pub(super) exports: VecDeque<String>,
+    pub(super) sonar: Option<Sonar>,
     input: Value,
     threads: usize,
 }
@@ -67,6 +76,8 @@ impl Worker {
             slots: Default::default(),
             views: Default::default(),
             revisions: 0,
+            exports: VecDeque::new(),
+            sonar: None,
             input: host.input.clone(),
             threads: host.threads,
         }
@@ -82,9 +93,10 @@ impl Worker {
                 Err(cause) => self.page.refuse(id, &format!("there are no threads ({cause})")),
             };
             if done.is_err() {
-                return;
+                break;
             }
         }
+        self.forget_exports();
     }
 
     fn in_pool(&mut self, pool: &ThreadPool, id: u64, task: Task) -> Result<(), Closed> {
@@ -115,7 +127,28 @@ impl Worker {
             Task::Shroud { view, slot, settings } => self.shroud(id, view, slot, &settings),
             Task::Run { view } | Task::Step { view } => self.run(id, view),
             Task::Reset { view } => self.reset(id, view),
-            _ => Err(Failure::Call("this cannot be done yet".into()).into()),
+            Task::Numbers { view, bits } => self.numbers(id, view, bits),
+            Task::Report { view } => self.report(id, view),
+            Task::Command { view } => self.command(id, view),
+            Task::Pick { view, vertex } => self.pick(id, view, vertex),
+            Task::Colours { view, field, range } => self.colours(id, view, &field, range),
+            Task::Contours { view, axis, every } => self.contours(id, view, axis.0, every),
+            Task::Points { slot, near } => self.points(id, slot, near),
+            Task::Slice { slot, axis, index } => self.slice(id, slot, axis.0, index),
+            Task::Brush { slot, add, centre, radius } => self.brush(id, slot, add, centre, radius),
+            Task::Undo { slot } => self.undo(id, slot),
+            Task::Redo { slot } => self.redo(id, slot),
+            Task::Export { view, format, frame } => {
+                let frame = frame.map_or(FrameChoice::World, |frame| frame.0);
+                self.export(id, view, &format, frame)
+            }
+            Task::Compare { slot, energies, settings } => {
+                self.compare(id, slot, &energies, &settings)
+            }
+            Task::Scene(source) => self.scene(id, &source),
+            Task::SceneStep { step, into } => self.scene_step(id, step, into),
+            // These are for the solver, which has been told.
+            Task::Pause { .. } | Task::Cancel { .. } | Task::Ack { .. } => Ok(()),
         }
     }
 
@@ -127,6 +160,11 @@ impl Worker {
         self.slots[slot.index()].as_ref().ok_or_else(|| {
             Failure::Call(format!("slot {} is empty: open a volume first", slot.name()))
         })
+    }
+
+    pub(super) fn data_mut(&mut self, slot: Slot) -> Result<&mut Data, Failure> {
+        self.data(slot)?;
+        self.slots[slot.index()].as_mut().ok_or_else(|| Failure::Call("the slot is empty".into()))
     }
 
     pub(super) fn surface(&self, view: ViewNumber) -> Result<&Arc<Surface>, Failure> {
@@ -152,6 +190,9 @@ impl Worker {
             "energies": energies.collect::<Vec<_>>(),
             "parameters": Parameter::ALL.map(Parameter::name),
             "demos": demos.collect::<Vec<_>>(),
+            "fields": look::fields(),
+            "formats": export::FORMATS,
+            "scenes": scene::EXAMPLES,
             "input": self.input,
             "threads": rayon::current_num_threads(),
         })
@@ -178,7 +219,7 @@ impl Worker {
         settings: &Settings,
     ) -> Result<(), Ended> {
         let typed = Typed::read(settings)?;
-        let surface = self.begin(view, slot, typed)?;
+        let surface = self.begin(view, slot, typed, None)?;
         self.answer(id, &surface.about())?;
         surface.send_start(&self.page).map_err(|_| Ended::Closed)
     }
@@ -189,10 +230,11 @@ impl Worker {
         view: ViewNumber,
         slot: Slot,
         typed: Typed,
+        before: Option<&Surface>,
     ) -> Result<Arc<Surface>, Failure> {
         let data = self.data(slot)?;
         self.page.progress("finding the surface", None);
-        let surface = Surface::begin(view, self.revisions + 1, slot, data, typed)?;
+        let surface = Surface::begin(view, self.revisions + 1, slot, data, typed, before)?;
         let surface = Arc::new(surface);
         if let Some(names) = energies::destructive(&surface.job.energy()) {
             self.page
@@ -202,6 +244,18 @@ impl Worker {
         self.revisions += 1;
         self.views[view.index()] = Some(View { surface: surface.clone(), thread: None });
         Ok(surface)
+    }
+
+    /// The views that show a surface of a volume.
+    pub(super) fn views_on(&self, slot: Slot) -> Vec<ViewNumber> {
+        let surfaces = self.views.iter().flatten().map(|view| &view.surface);
+        surfaces.filter(|surface| surface.slot == slot).map(|surface| surface.view).collect()
+    }
+
+    /// Makes the surface of a view anew, of the volume as it is now.
+    pub(super) fn begin_again(&mut self, view: ViewNumber) -> Result<Arc<Surface>, Failure> {
+        let before = self.surface(view)?.clone();
+        self.begin(view, before.slot, before.typed.clone(), Some(&before))
     }
 
     /// Ends the work of a view and waits until it has ended.
@@ -214,22 +268,31 @@ impl Worker {
 
     /// Lets the solver go on, or begins anew after its end.
     fn run(&mut self, id: u64, view: ViewNumber) -> Result<(), Ended> {
-        let control = &self.controls[view.index()];
         let surface = self.surface(view)?.clone();
         self.answer(id, &json!({}))?;
         let is_running = self.views[view.index()]
             .as_ref()
             .and_then(|view| view.thread.as_ref())
             .is_some_and(|thread| !thread.is_finished());
-        if !is_running && control.wished() != Wish::Cancel {
-            let (control, page) = (control.clone(), self.page.clone());
-            let solver = Solver { surface, control, page, threads: self.threads };
-            let thread = solver.begin();
-            if let Some(view) = &mut self.views[view.index()] {
-                view.thread = Some(thread);
-            }
+        if !is_running && self.controls[view.index()].wished() != Wish::Cancel {
+            self.begin_solver(surface);
         }
         Ok(())
+    }
+
+    fn begin_solver(&mut self, surface: Arc<Surface>) {
+        let view = surface.view.index();
+        let (control, page) = (self.controls[view].clone(), self.page.clone());
+        let thread = Solver { surface, control, page, threads: self.threads }.begin();
+        if let Some(view) = &mut self.views[view] {
+            view.thread = Some(thread);
+        }
+    }
+
+    /// Runs the solver of a surface that follows another one.
+    pub(super) fn solve(&mut self, surface: Arc<Surface>) {
+        self.controls[surface.view.index()].wish(Wish::Run);
+        self.begin_solver(surface);
     }
 
     fn reset(&mut self, id: u64, view: ViewNumber) -> Result<(), Ended> {

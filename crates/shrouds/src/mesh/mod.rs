@@ -10,6 +10,7 @@ mod primal;
 
 pub use normals::{network_normals, slope_normals};
 
+use crate::choice::choice;
 use crate::network::Network;
 use crate::parallel;
 use crate::surface::Surface;
@@ -46,6 +47,17 @@ pub enum Triangles {
     /// The same legal triangles for every δ.
     Fixed,
 }
+
+choice!(MeshKind, "surface":
+    Primal = "primal", "One vertex per grid edge crossed; slice curves are mesh edges";
+    Dual = "dual",
+        "One vertex per cell patch: no small angles, for simulation and print. Needs a closed border";
+);
+
+choice!(Triangles, "triangles":
+    Fitted = "fitted", "To fit the normals of the curves best";
+    Fixed = "fixed", "The same for every position of the vertices";
+);
 
 impl TriMesh {
     /// The mesh of the separating surface S(δ) (equation 3), made as [`place_vertices`],

@@ -18,6 +18,7 @@ mod flat;
 mod keep;
 mod level;
 mod model;
+mod names;
 mod newton;
 mod plan;
 mod problem;

@@ -167,7 +167,7 @@ impl Settings {
         self.solver == Solver::Sweeps || self.preset == Preset::Exact
     }
 
-    pub(super) fn validate(&self) -> Result<(), Error> {
+    pub(crate) fn validate(&self) -> Result<(), Error> {
         let refuse =
             |name, value: f64, range| Err(Error::Setting { name, value: value.to_string(), range });
         if !(1e-6..=0.1).contains(&self.margin) {

@@ -1,5 +1,7 @@
 //! The two conventions that a set of lattice points needs to bound a surface.
 
+use crate::choice::choice;
+
 /// What lies beyond the outermost lattice points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub enum Border {
@@ -22,3 +24,13 @@ pub enum FaceRule {
     /// The inside corners are joined: inside is 18-connected, outside 6-connected.
     Join,
 }
+
+choice!(Border, "border":
+    Closed = "closed", "Outside: the surface closes over the border";
+    Open = "open", "Nothing: the surface ends at the outermost voxel centres";
+);
+
+choice!(FaceRule, "faces":
+    Separate = "separate", "Keep the inside corners apart (6-connected inside)";
+    Join = "join", "Join the inside corners (18-connected inside)";
+);

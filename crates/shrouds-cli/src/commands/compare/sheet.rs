@@ -6,8 +6,8 @@ use shrouds_view::{Cell, Picture};
 
 use super::row::{Outcome, Row};
 use crate::failure::Failure;
-use crate::measure::bounds;
 use crate::picture::View;
+use shrouds_report::looks::bounds;
 
 /// Pixels of each picture.
 const SIZE: [u32; 2] = [480, 400];

@@ -76,10 +76,8 @@ pub(super) fn table(comparison: &Comparison) -> String {
 fn title(comparison: &Comparison) -> String {
     let input = &comparison.input;
     let [nx, ny, nz] = input.lattice.dims;
-    let preset = comparison
-        .settings
-        .preset
-        .map_or("sweeps".into(), |preset| format!("preset {}", preset.name()));
+    let preset =
+        comparison.settings.preset.map_or("sweeps".into(), |preset| format!("preset {}", preset));
     format!(
         "{}: {} voxels inside, of {nx} × {ny} × {nz}; {preset}",
         input.file,

@@ -9,8 +9,8 @@ use shrouds::check::structure;
 use super::{table, vector};
 use crate::console::{grouped, number};
 use crate::failure::Failure;
-use crate::measure::bounds;
 use crate::report::name;
+use shrouds_report::looks::bounds;
 
 #[derive(Serialize)]
 pub(super) struct MeshInfo {

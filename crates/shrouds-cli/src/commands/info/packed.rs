@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use serde::Serialize;
+use shrouds::volume::{Border, FaceRule};
 use shrouds_codec::{Content, Kind, Profile, survey};
 
 use super::{lattice_in_words, table};
@@ -22,8 +23,10 @@ pub(super) struct PackedInfo {
     /// Null for a volume.
     labels: Option<Vec<i64>>,
     profile: args::Profile,
-    faces: args::Faces,
-    border: args::Border,
+    #[serde(with = "crate::by_name")]
+    faces: FaceRule,
+    #[serde(with = "crate::by_name")]
+    border: Border,
     /// Layers in a slab, and whether each is coded by itself.
     slab: usize,
     independent: bool,
@@ -50,8 +53,8 @@ impl PackedInfo {
                 Profile::Fast => args::Profile::Fast,
                 Profile::Dense => args::Profile::Dense,
             },
-            faces: packed::faces(&header),
-            border: packed::border(&header),
+            faces: header.faces,
+            border: header.border,
             slab: header.slab_height,
             independent: header.independent,
             planes: header.planes,

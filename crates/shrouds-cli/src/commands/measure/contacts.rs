@@ -7,8 +7,8 @@ use serde::Serialize;
 use shrouds::contact::contact_area;
 use shrouds::mesh::MeshKind;
 use shrouds::volume::Border;
+use shrouds_report::measure::shares;
 
-use super::body::shares;
 use super::volumes::{Name, Run};
 use crate::failure::Failure;
 use crate::label_map::{LabelMap, Window};

@@ -1,9 +1,6 @@
 //! `shrouds measure`: what can be said about a surface in numbers.
 
-mod body;
-mod columns;
 mod contacts;
-mod parts;
 mod report;
 mod volumes;
 
@@ -11,10 +8,12 @@ use std::path::Path;
 use std::time::Instant;
 
 use shrouds::mesh::MeshKind;
+use shrouds::optimize::{Preset, Solver};
 use shrouds::{Grid, TriMesh};
 use shrouds_io::{Frame, read_mesh};
+use shrouds_report::measure::{Body, Entries, Units, parts};
 
-use crate::args::{MeasureArgs, Preset, Solver};
+use crate::args::MeasureArgs;
 use crate::console::{Console, print_json};
 use crate::failure::Failure;
 use crate::input::{self, Kind};
@@ -22,8 +21,6 @@ use crate::output::check_targets;
 use crate::progress::Progress;
 use crate::report::{name, peak_memory};
 use crate::settings::Job;
-use body::Body;
-use columns::{Entries, Units};
 use report::{Report, Row, contacts_path};
 use volumes::{Name, Other, Run, effort};
 
@@ -117,7 +114,7 @@ fn other(args: &MeasureArgs) -> Result<Other, Failure> {
 fn meshes(run: &Run) -> Result<Vec<Row>, Failure> {
     run.progress.stage("reading");
     let mesh = read_mesh(&run.args.input)?;
-    let parts = if run.args.components { parts::parts(&mesh) } else { vec![mesh] };
+    let parts = if run.args.components { parts(&mesh) } else { vec![mesh] };
     let made = match run.other {
         Other::Volume => run.other_selection(None)?,
         _ => None,
@@ -128,8 +125,9 @@ fn meshes(run: &Run) -> Result<Vec<Row>, Failure> {
     };
     run.progress.stage("measuring");
     let row = |(n, mesh): (usize, &TriMesh)| {
-        let body = Body { mesh, shroud: None, kind: MeshKind::Primal, voxels: None };
-        let measured = body.measure(other).map_err(|failure| {
+        let body = Body { mesh, surface: None, kind: MeshKind::Primal, voxels: None };
+        let measured = body.measure(other).map_err(|error| {
+            let failure = Failure::from(error);
             Failure::Undone(format!("{}: {}", run.args.input.display(), failure.message()))
         })?;
         let component = run.args.components.then_some(n + 1);

@@ -4,9 +4,8 @@ use std::path::{Path, PathBuf};
 
 use serde::{Serialize, Serializer};
 use shrouds_io::write_atomically;
+use shrouds_report::measure::{Dimension, Entries, Entry, Measured, Units, Value};
 
-use super::body::Measured;
-use super::columns::{Dimension, Entries, Entry, Units};
 use super::contacts::Contact;
 use super::volumes::Name;
 use crate::console::{aligned, number, plural};
@@ -173,7 +172,7 @@ impl Report<'_> {
     /// All columns of one body, a line for each.
     fn list(&self, row: &Row) -> Vec<String> {
         let line = |entry: &Entry| {
-            vec![entry.key.replace('_', " "), entry.dimension.unit(&self.unit), entry.readable()]
+            vec![entry.key.replace('_', " "), entry.dimension.unit(&self.unit), readable(entry)]
         };
         let lines: Vec<Vec<String>> = row.entries().0.iter().map(line).collect();
         aligned(&lines, 3)
@@ -190,8 +189,7 @@ impl Report<'_> {
             std::iter::once(String::new()).chain(units).collect(),
         ];
         lines.extend(rows.iter().map(|row| {
-            let cell =
-                |column: &&Entry| row.entries().get(column.key).map_or("-".into(), Entry::readable);
+            let cell = |column: &&Entry| row.entries().get(column.key).map_or("-".into(), readable);
             std::iter::once(row.title()).chain(columns.iter().map(cell)).collect()
         }));
         let mut text = aligned(&lines, 1);
@@ -214,6 +212,16 @@ impl Report<'_> {
         let mut text = aligned(&lines, 2);
         text.push(plural(contacts.len(), "contact"));
         text
+    }
+}
+
+/// A column for people, with about six digits.
+fn readable(entry: &Entry) -> String {
+    const NONE: &str = "-";
+    match &entry.value {
+        Value::Count(count) => count.map_or(NONE.into(), |n| n.to_string()),
+        Value::Number(x) => x.map_or(NONE.into(), number),
+        Value::Vector(v) => v.map_or(NONE.into(), |v| v.map(number).join("  ")),
     }
 }
 

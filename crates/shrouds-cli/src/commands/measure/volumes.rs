@@ -7,8 +7,8 @@ use shrouds::optimize::Status;
 use shrouds::volume::Border;
 use shrouds::{Grid, Occupancy, TriMesh};
 use shrouds_io::{Contents, Frame};
+use shrouds_report::measure::Body;
 
-use super::body::Body;
 use super::contacts::{self, Contact};
 use super::report::Row;
 use crate::args::MeasureArgs;
@@ -200,7 +200,7 @@ impl Run<'_> {
         self.progress.stage("measuring");
         let body = Body {
             mesh: &shroud.mesh,
-            shroud: Some(&shroud),
+            surface: Some(&shroud.surface),
             kind: self.job.settings.mesh,
             voxels: Some(occupancy.count()),
         };

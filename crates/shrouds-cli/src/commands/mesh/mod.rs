@@ -5,10 +5,11 @@ mod each;
 use std::path::Path;
 use std::time::Instant;
 
+use shrouds::mesh::MeshKind;
 use shrouds::{Occupancy, Select};
 use shrouds_io::{MeshFormat, VolumeOptions, mesh_format, read_occupancy, volume_format};
 
-use crate::args::{MeshArgs, SolveArgs, SurfaceKind};
+use crate::args::{MeshArgs, SolveArgs};
 use crate::certificate::{self, Subject};
 use crate::console::{Console, grouped, number, print_json};
 use crate::failure::Failure;
@@ -106,7 +107,7 @@ fn check_attributes(args: &MeshArgs, format: MeshFormat) -> Result<(), Failure> 
     if args.attributes.is_empty() {
         return Ok(());
     }
-    if args.shroud.solve.surface == SurfaceKind::Dual {
+    if args.shroud.solve.surface == MeshKind::Dual {
         let message = "--attributes are those of the vertices of --surface primal";
         return Err(Failure::Call(message.into()));
     }
@@ -120,7 +121,7 @@ fn check_attributes(args: &MeshArgs, format: MeshFormat) -> Result<(), Failure> 
 fn summary(output: &Path, report: &Report) -> String {
     let (topology, geometry) = (&report.topology, &report.geometry);
     let shortfall = report.shortfall().map_or(String::new(), |text| format!("; {text}"));
-    let kept = report.solver.kept().map_or(String::new(), |text| format!("; {text}"));
+    let kept = report.kept().map_or(String::new(), |text| format!("; {text}"));
     format!(
         "{}: {} vertices, {} triangles, volume {}, area {}, {} of {} voxels on the wrong side, {:.2} s{kept}{shortfall}",
         output.display(),

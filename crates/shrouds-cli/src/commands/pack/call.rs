@@ -1,6 +1,7 @@
 //! What a call of `pack` asks for, and what does not go together.
+use shrouds::volume::Border;
 
-use crate::args::{Border, PackArgs, Places};
+use crate::args::{PackArgs, Places};
 use crate::failure::Failure;
 use crate::input::{Kind, kind};
 use crate::packed::is_packed;

@@ -16,7 +16,6 @@ use crate::failure::Failure;
 use crate::input;
 use crate::output::check_targets;
 use crate::progress::Progress;
-use crate::settings::{border, face_rule};
 use call::Call;
 use report::{PlanesReport, Report};
 
@@ -105,8 +104,8 @@ fn settings(args: &PackArgs, frame: &Frame) -> Settings {
         },
         slab_height: args.slab.map(|layers| layers as usize),
         independent: args.independent,
-        faces: face_rule(args.shroud.solve.faces),
-        border: border(args.shroud.solve.border),
+        faces: args.shroud.solve.faces,
+        border: args.shroud.solve.border,
         space: frame.name.clone(),
         unit: frame.unit.clone(),
     }

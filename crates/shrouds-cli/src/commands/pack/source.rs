@@ -16,7 +16,7 @@ use crate::failure::Failure;
 use crate::input;
 use crate::progress::Progress;
 use crate::selection::Selection;
-use crate::settings::{Job, border, face_rule};
+use crate::settings::Job;
 use crate::work::{converged, shroud};
 
 pub(super) struct Source {
@@ -115,5 +115,5 @@ fn shrouded(
 
 fn extract(args: &PackArgs, volume: &Occupancy) -> Result<Surface, Failure> {
     let solve = &args.shroud.solve;
-    Ok(Surface::extract(volume, face_rule(solve.faces), border(solve.border))?)
+    Ok(Surface::extract(volume, solve.faces, solve.border)?)
 }

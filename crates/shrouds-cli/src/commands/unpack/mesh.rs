@@ -7,7 +7,7 @@ use shrouds::surface::Surface;
 use shrouds_codec::geometry::{self, Places};
 
 use super::{Volume, shroud_args};
-use crate::args::{Preset, ShroudArgs, Solver, UnpackArgs, VolumeRule};
+use crate::args::{ShroudArgs, UnpackArgs};
 use crate::console::{Console, grouped, plural, print_json};
 use crate::failure::Failure;
 use crate::input::Source;
@@ -16,6 +16,7 @@ use crate::progress::Progress;
 use crate::report::Report;
 use crate::settings::Job;
 use crate::work::{Extras, Outputs, produce};
+use shrouds::optimize::{Preset, Solver, VolumeRule};
 
 /// The report of the shroud, and what of the file it is made of.
 #[derive(Serialize)]

@@ -7,6 +7,7 @@ mod volume;
 use std::time::Instant;
 
 use shrouds::Occupancy;
+use shrouds::volume::{Border, FaceRule};
 use shrouds_codec::{Chunk, Content, Header, read_header, unpack, unpack_labels, unpack_partial};
 use shrouds_io::{mesh_format, written_format, written_label_format};
 
@@ -15,7 +16,7 @@ use crate::console::Console;
 use crate::each::Target;
 use crate::failure::Failure;
 use crate::output::check_targets;
-use crate::packed::{border, faces, open};
+use crate::packed::open;
 use crate::progress::Progress;
 use crate::selection::list;
 
@@ -105,11 +106,11 @@ fn read(args: &UnpackArgs, is_map: bool) -> Result<Volume, Failure> {
 /// The arguments of the shroud, with the conventions of the file.
 fn shroud_args(args: &UnpackArgs, header: &Header) -> Result<args::ShroudArgs, Failure> {
     let mut shroud = args.shroud.clone();
-    let (faces, border) = (faces(header), border(header));
+    let Header { faces, border, .. } = *header;
     let solve = &mut shroud.solve;
     let is_asked = |differs: bool, is_usual: bool| differs && !is_usual;
-    if is_asked(solve.faces != faces, solve.faces == args::Faces::Separate)
-        || is_asked(solve.border != border, solve.border == args::Border::Closed)
+    if is_asked(solve.faces != faces, solve.faces == FaceRule::Separate)
+        || is_asked(solve.border != border, solve.border == Border::Closed)
     {
         let message = "--faces and --border are those the file was packed with; leave them out";
         return Err(Failure::Call(format!("{}: {message}", args.input.display())));

@@ -3,7 +3,10 @@
 use shrouds::TriMesh;
 
 /// The parts of a mesh whose triangles hang together by vertices, in the order of their first triangles.
-pub(super) fn parts(mesh: &TriMesh) -> Vec<TriMesh> {
+///
+/// # Panics
+/// When a triangle names a vertex that does not exist.
+pub fn parts(mesh: &TriMesh) -> Vec<TriMesh> {
     let mut first: Vec<u32> = (0..mesh.vertices.len() as u32).collect();
     for &[a, b, c] in &mesh.triangles {
         for other in [b, c] {

@@ -6,7 +6,10 @@ use crate::vector::{Vector, cross, dot, length, sub};
 
 /// Root mean square of the angles between the normals of neighbouring triangles in degrees, weighted
 /// with the lengths of their common edges: 0 where all is flat. Triangles without area do not count.
-pub(crate) fn roughness(mesh: &TriMesh) -> f64 {
+///
+/// # Panics
+/// When a triangle names a vertex that does not exist.
+pub fn roughness(mesh: &TriMesh) -> f64 {
     let normals: Vec<Vector> = mesh.triangles.iter().map(|&t| normal(mesh.corners(t))).collect();
     let mut edges: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * mesh.triangles.len());
     for (t, &[a, b, c]) in mesh.triangles.iter().enumerate() {
@@ -29,7 +32,10 @@ pub(crate) fn roughness(mesh: &TriMesh) -> f64 {
 }
 
 /// The mean length of the edges, as often as triangles have them; none if all are points.
-pub(crate) fn mean_edge(mesh: &TriMesh) -> Option<f64> {
+///
+/// # Panics
+/// When a triangle names a vertex that does not exist.
+pub fn mean_edge(mesh: &TriMesh) -> Option<f64> {
     let around = |[a, b, c]: [Vector; 3]| length(sub(b, a)) + length(sub(c, b)) + length(sub(a, c));
     let sum: f64 = mesh.triangles.iter().map(|&t| around(mesh.corners(t))).sum();
     let mean = sum / (3 * mesh.triangles.len()) as f64;
@@ -37,19 +43,19 @@ pub(crate) fn mean_edge(mesh: &TriMesh) -> Option<f64> {
 }
 
 /// The largest distance of a vertex from the middle of its grid edge, in edge lengths.
-pub(crate) fn largest_move(delta: &[f64]) -> f64 {
+pub fn largest_move(delta: &[f64]) -> f64 {
     delta.iter().map(|delta| (delta - 0.5).abs()).fold(0.0, f64::max)
 }
 
 /// Root mean square and largest difference between two states of the same vertices.
-pub(crate) fn difference(one: &[f64], two: &[f64]) -> [f64; 2] {
+pub fn difference(one: &[f64], two: &[f64]) -> [f64; 2] {
     let gaps = || one.iter().zip(two).map(|(a, b)| (a - b).abs());
     let squares: f64 = gaps().map(|gap| gap * gap).sum();
     [(squares / one.len().max(1) as f64).sqrt(), gaps().fold(0.0, f64::max)]
 }
 
 /// Smallest and largest corner of a box around all points.
-pub(crate) fn bounds(points: impl IntoIterator<Item = Vector>) -> Option<[Vector; 2]> {
+pub fn bounds(points: impl IntoIterator<Item = Vector>) -> Option<[Vector; 2]> {
     let wider = |[low, high]: [Vector; 2], p: Vector| {
         [
             std::array::from_fn(|k| f64::min(low[k], p[k])),

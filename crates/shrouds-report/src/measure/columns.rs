@@ -2,23 +2,26 @@
 
 use serde::{Serialize, Serializer};
 
-use crate::console::number;
-
 /// What a number measures, which decides its unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Dimension {
+pub enum Dimension {
     /// A count, a share or a direction.
     None,
+    /// A length.
     Length,
+    /// A length squared.
     Area,
+    /// A length cubed.
     Volume,
+    /// One over a length.
     PerLength,
+    /// One over a length squared.
     PerArea,
 }
 
 impl Dimension {
     /// The unit where lengths have this one; nothing for plain numbers.
-    pub(super) fn unit(self, length: &str) -> String {
+    pub fn unit(self, length: &str) -> String {
         match self {
             Self::None => String::new(),
             Self::Length => length.to_owned(),
@@ -32,30 +35,41 @@ impl Dimension {
 
 /// A value; none where it has no meaning, as the volume of an open mesh.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Value {
+pub enum Value {
+    /// A whole number.
     Count(Option<i64>),
+    /// Any finite number.
     Number(Option<f64>),
+    /// Three along x, y, z.
     Vector(Option<[f64; 3]>),
 }
 
 /// A column of one row.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Entry {
-    pub(super) key: &'static str,
-    pub(super) dimension: Dimension,
-    pub(super) value: Value,
+pub struct Entry {
+    /// Its name.
+    pub key: &'static str,
+    /// What it measures.
+    pub dimension: Dimension,
+    /// How much of it there is.
+    pub value: Value,
 }
 
 /// Entries in the order of the columns.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Entries(pub(super) Vec<Entry>);
+pub struct Entries(
+    /// One after another.
+    pub Vec<Entry>,
+);
 
 impl Entries {
-    pub(super) fn count(&mut self, key: &'static str, value: impl Into<Option<i64>>) {
+    /// Appends a count.
+    pub fn count(&mut self, key: &'static str, value: impl Into<Option<i64>>) {
         self.push(key, Dimension::None, Value::Count(value.into()));
     }
 
-    pub(super) fn number(
+    /// Appends a number; one that is not finite is none.
+    pub fn number(
         &mut self,
         key: &'static str,
         dimension: Dimension,
@@ -65,7 +79,8 @@ impl Entries {
         self.push(key, dimension, Value::Number(value));
     }
 
-    pub(super) fn vector(
+    /// Appends a vector.
+    pub fn vector(
         &mut self,
         key: &'static str,
         dimension: Dimension,
@@ -78,14 +93,15 @@ impl Entries {
         self.0.push(Entry { key, dimension, value });
     }
 
-    pub(super) fn get(&self, key: &str) -> Option<&Entry> {
+    /// The column of this name.
+    pub fn get(&self, key: &str) -> Option<&Entry> {
         self.0.iter().find(|entry| entry.key == key)
     }
 }
 
 impl Entry {
     /// The values as text, exact; a vector has three.
-    pub(super) fn exact(&self) -> Vec<String> {
+    pub fn exact(&self) -> Vec<String> {
         let text = |x: Option<f64>| x.map_or(String::new(), |x| x.to_string());
         match &self.value {
             Value::Count(count) => vec![count.map_or(String::new(), |n| n.to_string())],
@@ -95,7 +111,7 @@ impl Entry {
     }
 
     /// The headings of [`exact`](Self::exact), with units in brackets.
-    pub(super) fn headings(&self, length: &str) -> Vec<String> {
+    pub fn headings(&self, length: &str) -> Vec<String> {
         let unit = match self.dimension.unit(length) {
             unit if unit.is_empty() => unit,
             unit => format!(" [{unit}]"),
@@ -103,16 +119,6 @@ impl Entry {
         match &self.value {
             Value::Vector(_) => ["x", "y", "z"].map(|d| format!("{}_{d}{unit}", self.key)).into(),
             _ => vec![format!("{}{unit}", self.key)],
-        }
-    }
-
-    /// For people, with about six digits.
-    pub(super) fn readable(&self) -> String {
-        const NONE: &str = "-";
-        match &self.value {
-            Value::Count(count) => count.map_or(NONE.into(), |n| n.to_string()),
-            Value::Number(x) => x.map_or(NONE.into(), number),
-            Value::Vector(v) => v.map_or(NONE.into(), |v| v.map(number).join("  ")),
         }
     }
 }
@@ -134,9 +140,11 @@ impl Serialize for Entries {
 }
 
 /// The units of all columns that have one, by their keys.
-pub(super) struct Units<'a> {
-    pub(super) entries: &'a Entries,
-    pub(super) length: &'a str,
+pub struct Units<'a> {
+    /// The columns.
+    pub entries: &'a Entries,
+    /// The unit of length.
+    pub length: &'a str,
 }
 
 impl Serialize for Units<'_> {

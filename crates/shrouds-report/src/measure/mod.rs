@@ -1,4 +1,9 @@
-//! What is measured of one body.
+//! Everything that is measured of one body, in columns.
+//!
+//! What each column means is in `docs/measurements.md`.
+
+mod columns;
+mod parts;
 
 use shrouds::check::{Structure, structure};
 use shrouds::measure::{
@@ -7,14 +12,15 @@ use shrouds::measure::{
 };
 use shrouds::mesh::MeshKind;
 use shrouds::network::Network;
-use shrouds::{Shroud, TriMesh};
+use shrouds::surface::Surface;
+use shrouds::{Error, TriMesh};
 
-use super::columns::Dimension::{Area, Length, None as Plain, PerArea, PerLength, Volume};
-use super::columns::Entries;
-use super::parts::parts;
-use crate::failure::Failure;
-use crate::measure::{bounds, mean_edge};
+pub use columns::{Dimension, Entries, Entry, Units, Value};
+pub use parts::parts;
+
+use crate::looks::{bounds, mean_edge};
 use crate::vector::{Vector, cross, length, sub};
+use Dimension::{Area, Length, None as Plain, PerArea, PerLength, Volume};
 
 /// Pieces that triangles are cut into, for distances and thickness, are no longer than this many of the
 /// smallest spacings, or of the mean edges of a mesh.
@@ -23,24 +29,31 @@ const PIECE: f64 = 2.0;
 const PIECES: f64 = 50.0;
 
 /// A surface to be measured, in world coordinates.
-pub(super) struct Body<'a> {
-    pub(super) mesh: &'a TriMesh,
-    /// Where it comes from, unless from a mesh file.
-    pub(super) shroud: Option<&'a Shroud>,
-    pub(super) kind: MeshKind,
+pub struct Body<'a> {
+    /// Its triangles.
+    pub mesh: &'a TriMesh,
+    /// The crossings that it comes from, unless it is any mesh.
+    pub surface: Option<&'a Surface>,
+    /// Which mesh of the surface it is.
+    pub kind: MeshKind,
     /// How many voxels it separates.
-    pub(super) voxels: Option<u64>,
+    pub voxels: Option<u64>,
 }
 
 /// All columns of a body, and what is to be said about it.
-pub(super) struct Measured {
-    pub(super) entries: Entries,
-    pub(super) notes: Vec<String>,
+pub struct Measured {
+    /// The columns.
+    pub entries: Entries,
+    /// What is to be said, a sentence each.
+    pub notes: Vec<String>,
 }
 
 impl Body<'_> {
     /// Measures everything; `other` is a surface to which the distance is wanted.
-    pub(super) fn measure(&self, other: Option<&TriMesh>) -> Result<Measured, Failure> {
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] when a triangle names a vertex that does not exist or a coordinate is not finite.
+    pub fn measure(&self, other: Option<&TriMesh>) -> Result<Measured, Error> {
         let structure = structure(self.mesh)?;
         let (plain, smooth) = (integrals(self.mesh)?, smooth_integrals(self.mesh)?);
         let mut entries = Entries::default();
@@ -59,8 +72,8 @@ impl Body<'_> {
     }
 
     fn size(&self, entries: &mut Entries, closed: bool, smooth: &Integrals, plain: &Integrals) {
-        let span = self.shroud.map(|shroud| uncertainty(&shroud.surface, smooth));
-        let lattice = self.shroud.map(|shroud| shroud.surface.grid());
+        let span = self.surface.map(|surface| uncertainty(surface, smooth));
+        let lattice = self.surface.map(Surface::grid);
         let voxels = self.voxels.zip(lattice);
         entries.count("voxels", self.voxels.and_then(|n| n.try_into().ok()));
         entries.number(
@@ -81,12 +94,12 @@ impl Body<'_> {
         entries.number("triangle_area", Area, plain.area);
     }
 
-    fn curvature(&self, entries: &mut Entries) -> Result<(), Failure> {
+    fn curvature(&self, entries: &mut Entries) -> Result<(), Error> {
         let mesh = self.mesh;
-        let found = match self.shroud {
+        let found = match self.surface {
             // The curves of the network tell more than normals alone.
-            Some(shroud) if self.kind == MeshKind::Primal => {
-                curvatures(&Network::trace(&shroud.surface), &mesh.vertices, &mesh.normals)
+            Some(surface) if self.kind == MeshKind::Primal => {
+                curvatures(&Network::trace(surface), &mesh.vertices, &mesh.normals)
             }
             _ => mesh_curvatures(mesh)?,
         };
@@ -111,7 +124,7 @@ impl Body<'_> {
         Ok(())
     }
 
-    fn thickness(&self, entries: &mut Entries, notes: &mut Vec<String>) -> Result<(), Failure> {
+    fn thickness(&self, entries: &mut Entries, notes: &mut Vec<String>) -> Result<(), Error> {
         let found = thickness(self.mesh, self.step())?;
         let is_known = found.share > 0.0;
         entries.number("thickness_mean", Length, is_known.then_some(found.mean));
@@ -125,15 +138,15 @@ impl Body<'_> {
 
     /// Of the lattice, or the mean edge of a mesh file, which stands for one.
     fn spacing(&self) -> Vector {
-        match self.shroud {
-            Some(shroud) => shroud.surface.grid().spacing(),
+        match self.surface {
+            Some(surface) => surface.grid().spacing(),
             None => [mean_edge(self.mesh).unwrap_or(1.0); 3],
         }
     }
 
     fn step(&self) -> f64 {
-        if let Some(shroud) = self.shroud {
-            return PIECE * shroud.surface.grid().min_spacing();
+        if let Some(surface) = self.surface {
+            return PIECE * surface.grid().min_spacing();
         }
         let diagonal = bounds(self.mesh.vertices.iter().copied())
             .map_or(0.0, |[low, high]| length(sub(high, low)));
@@ -229,7 +242,10 @@ fn distance(entries: &mut Entries, found: &SurfaceDistances) {
 }
 
 /// A third of the area of every triangle for each of its corners.
-pub(super) fn shares(mesh: &TriMesh) -> Vec<f64> {
+///
+/// # Panics
+/// When a triangle names a vertex that does not exist.
+pub fn shares(mesh: &TriMesh) -> Vec<f64> {
     let mut shares = vec![0.0; mesh.vertices.len()];
     for &triangle in &mesh.triangles {
         let [a, b, c] = mesh.corners(triangle);

@@ -1,0 +1,15 @@
+//! What is said about a shroud in numbers: the report and the measurements, in the words and the order
+//! in which the program's JSON and the Python package have them.
+//!
+//! [`report`](Lattice) holds the parts of the report, [`measure`] the columns of a body, [`looks`] what a
+//! mesh looks like.
+
+pub mod looks;
+pub mod measure;
+mod report;
+mod vector;
+
+pub use report::{
+    Checks, FirstLast, FoundExpected, Geometry, Lattice, RmsMax, RoundReport, Solver, Times,
+    Topology, VolumeReport, peak_memory,
+};
