@@ -54,6 +54,11 @@ interface Holding {
   volume: Volume;
 }
 
+interface Edited extends Holding {
+  changed: number;
+  surfaces: Surface[];
+}
+
 const RUN_DELAY = 120;
 /** Surfaces of more vertices are not packed to tell how small they become. */
 const MOST_PACKED = 600_000;
@@ -86,8 +91,7 @@ export class Session {
       closed: (reason) => session.say("error", `${reason} Reload the page to go on: the address keeps your choices.`),
       broken: (error) => session.say("error", `The program sent what this page cannot read: ${error.message}`),
     });
-    const none = { fields: [], formats: [] };
-    session.hello = { ...none, ...(await session.request<Hello>("hello")) };
+    session.hello = await session.request<Hello>("hello");
     return session;
   }
 
@@ -96,11 +100,11 @@ export class Session {
   }
 
   request<T>(name: string, fields: Record<string, unknown> = {}): Promise<T> {
-    return this.connection.request<T>(name, fields);
+    return this.connection.request<T>(name, fields).finally(() => this.work && this.working());
   }
 
   framed<T, F extends Answer>(name: string, fields: Record<string, unknown>): Promise<Framed<T, F>> {
-    return this.connection.framedRequest<T, F>(name, fields);
+    return this.connection.framedRequest<T, F>(name, fields).finally(() => this.work && this.working());
   }
 
   say(level: Message["level"], text: string): void {
@@ -153,12 +157,15 @@ export class Session {
     if (again && volume.slot === this.slot) this.shroudAll();
   }
 
-  /** The volume after the brush, and the surfaces that took the place of those before. */
-  edited(volume: Volume, surfaces: readonly Surface[]): void {
-    this.took(volume, surfaces.length === 0);
-    for (const surface of surfaces) {
+  /** Brush, undo and redo: the volume changes, and its surfaces follow by themselves. */
+  async edit(name: "brush" | "undo" | "redo", fields: Record<string, unknown> = {}): Promise<void> {
+    const edited = await this.attempt(() => this.request<Edited>(name, { slot: this.slot, ...fields }));
+    if (!edited) return;
+    this.took(edited.volume, false);
+    for (const surface of edited.surfaces) {
       const model = this.views[surface.view];
-      if (model) Object.assign(model, { surface, settled: false, numbers: undefined, history: [] });
+      const anew = { ...emptyView(surface.view), surface, state: "paused", history: startOf(surface) };
+      if (model) Object.assign(model, anew);
     }
     this.tell("started");
     this.tell("views");

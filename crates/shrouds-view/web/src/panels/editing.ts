@@ -30,14 +30,10 @@ export function editingPanel(session: Session): HTMLElement {
     row(on, el("span", { className: "segmented", role: "group", "aria-label": "What the brush does" }, adds, removes)),
     field("Radius", radius.element, "In voxels; [ and ]"),
     row(
-      button("Undo", () => void undo(session, "undo"), "Undo (Ctrl+Z)"),
-      button("Redo", () => void undo(session, "redo"), "Redo (Ctrl+Shift+Z)"),
+      button("Undo", () => void session.edit("undo"), "Undo (Ctrl+Z)"),
+      button("Redo", () => void session.edit("redo"), "Redo (Ctrl+Shift+Z)"),
     ),
   );
-}
-
-export async function undo(session: Session, what: "undo" | "redo"): Promise<void> {
-  await session.change(what, { slot: session.slot });
 }
 
 /** Where a target can be, from what a towed array has heard: a slider of time. */

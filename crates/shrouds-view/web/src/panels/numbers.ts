@@ -70,7 +70,8 @@ function comparison(session: Session): HTMLElement[] {
   const body = el("tbody");
   const table = el("table", { hidden: true, "aria-label": "Energies compared" }, head, body);
   const show = (): void => {
-    const names = [...new Set(session.rows.flatMap((entry) => Object.keys(entry).filter((name) => plain(entry[name]))))];
+    const all = session.rows.flatMap((entry) => Object.keys(entry).filter((name) => plain(entry[name])));
+    const names = [...new Set(["name", ...all])];
     table.hidden = session.rows.length === 0;
     head.replaceChildren(headings(names.map((name) => name.replaceAll("_", " "))));
     body.replaceChildren(...session.rows.map((entry) => el("tr", {}, ...names.map((name) => el("td", {}, text(entry[name]))))));
@@ -91,7 +92,7 @@ function comparison(session: Session): HTMLElement[] {
   return [bar, table];
 }
 
-const plain = (value: unknown): boolean => typeof value !== "object" && value !== undefined;
+const plain = (value: unknown): boolean => typeof value === "number" || typeof value === "string";
 
 function text(value: unknown): string {
   return typeof value === "number" ? compact(value) : String(value ?? "–");

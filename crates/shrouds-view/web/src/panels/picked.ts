@@ -4,6 +4,7 @@ import { compact, el, section } from "../dom.ts";
 import type { Picked } from "../protocol.ts";
 import type { Hit, Stage } from "../scene/stage.ts";
 import type { Session } from "../session.ts";
+import { axes } from "../state.ts";
 
 export class PickedPanel {
   readonly element: HTMLDetailsElement;
@@ -62,18 +63,18 @@ export class PickedPanel {
 }
 
 function facts(vertex: number, picked: Picked): [string, string][] {
-  const { edge, delta, position, normal, neighbours, rho, curvature } = picked;
-  const list = (values: readonly number[]): string => values.map((value) => compact(Number(value.toPrecision(4)))).join(", ");
-  const found: [string, string][] = [
+  const { edge, delta, world, normal, neighbours, rho, curvature } = picked;
+  const list = (values: readonly (number | null)[]): string => values.map((value) => compact(value && Number(value.toPrecision(4)))).join(", ");
+  return [
     ["number", compact(vertex)],
-    ["grid edge", `along ${edge.axis} from ${edge.point.join(", ")}`],
+    ["grid edge along", axes[edge.axis] ?? ""],
+    ["inside", edge.inside.join(", ")],
+    ["outside", edge.outside.join(", ")],
     ["δ", delta.toFixed(4)],
-    ["position", list(position)],
+    ["position", list(world)],
     ["normal", list(normal)],
     ["neighbours", neighbours.map((other) => other ?? "none").join(", ")],
-    ["ρ", compact(rho)],
+    ["ρ on its curves", list(rho)],
+    ...Object.entries(curvature).map(([name, value]): [string, string] => [`${name} curvature`, compact(value)]),
   ];
-  if (typeof curvature === "number") found.push(["curvature", compact(curvature)]);
-  else if (curvature) for (const [name, value] of Object.entries(curvature)) found.push([name, compact(value)]);
-  return found;
 }

@@ -148,8 +148,9 @@ export class Stage {
     old?.dispose();
     this.slow = false;
     this.box.setFromArray(topology.outside as unknown as number[]);
-    const { name, dims } = this.volume ?? {};
-    const identity = `${name} ${dims?.join("×")}`;
+    // What is edited, or another step of the same scene, is looked at from where one is.
+    const { name = "", dims, spacing } = this.volume ?? {};
+    const identity = JSON.stringify([name.replace(/( \(edited\)|, contact \d+)$/, ""), dims, spacing]);
     if (this.fitted === identity || this.box.isEmpty()) return;
     const first = this.fitted === "" && this.store.state.camera !== "";
     this.fitted = identity;
