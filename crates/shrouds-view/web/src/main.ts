@@ -90,6 +90,7 @@ function react(session: Session, stage: Stage): void {
     for (let view = 0; view < state.views; view++) {
       if (state.settings[view] !== before.settings[view] || view >= before.views) session.shroudSoon(view);
     }
+    for (let view = state.views; view < before.views; view++) session.drop(view);
     before = state;
   });
   store.watch(["live"], ({ live, active }) => live && void session.control(active, "run"));

@@ -193,6 +193,17 @@ export class Session {
     for (let view = 0; view < this.store.state.views; view++) void this.shroud(view);
   }
 
+  /** A view that is not shown any more stops and is forgotten. */
+  drop(view: number): void {
+    const model = this.views[view];
+    if (!model?.surface) return;
+    this.later(view);
+    clearTimeout(this.timers.get(view));
+    void this.attempt(() => this.request("cancel", { view }));
+    Object.assign(model, { ...emptyView(view), surface: undefined });
+    this.screen.forget(view);
+  }
+
   /** As `shroud`, when nothing has changed for a moment. */
   shroudSoon(view: number): void {
     clearTimeout(this.timers.get(view));

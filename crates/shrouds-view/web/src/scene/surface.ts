@@ -26,8 +26,8 @@ export class SurfaceModel {
   private readonly network: LineSegments[];
   private whole: BufferAttribute;
   private fewer: BufferAttribute | undefined;
-  /** Whether normals are those of the program, not ours. */
-  private given = false;
+  /** Whether the normals are those of other places. */
+  private stale = true;
 
   constructor(
     readonly topology: Topology,
@@ -102,7 +102,7 @@ export class SurfaceModel {
     if (glide) this.write("before", this.shown());
     this.write("delta", delta);
     this.uniforms.glide!.value = glide ? 0 : 1;
-    this.given = false;
+    this.stale = true;
   }
 
   /** The δ on the screen, which may be on its way. */
@@ -127,14 +127,12 @@ export class SurfaceModel {
 
   setNormals(normals: Float32Array): void {
     this.write("direction", normals);
-    this.given = true;
+    this.stale = false;
   }
 
   /** Normals of the triangles where the program has sent none for these places. */
   ownNormals(): void {
-    if (this.given) return;
-    this.setNormals(normalsOf(this.positions(), this.whole.array as Uint32Array));
-    this.given = false;
+    if (this.stale) this.setNormals(normalsOf(this.positions(), this.whole.array as Uint32Array));
   }
 
   /** Numbers of the vertices as colours of a ramp that spans the range; without numbers one colour. */
