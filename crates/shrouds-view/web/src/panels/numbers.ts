@@ -3,10 +3,13 @@
 import { button, bytes, compact, el, row } from "../dom.ts";
 import type { Session, View } from "../session.ts";
 
+/** The columns of a comparison that come first. */
+const FIRST = ["name", "status", "iterations", "seconds", "volume", "area", "roughness", "largest_move"];
+/** Packed with so many bits for the place of each vertex. */
 const BITS = ["0", "1", "2", "4", "8"];
 const HEADINGS = [
   "setting", "energy", "vertices", "triangles", "volume", "area", "wrong side", "manifold", "parts", "roughness",
-  ...BITS.map((bits) => `${bits} bit`), "seconds",
+  ...BITS.map((bits) => (bits === "0" ? "0 bit" : bits)), "seconds",
 ];
 
 export function numbersPanel(session: Session): HTMLElement[] {
@@ -71,7 +74,7 @@ function comparison(session: Session): HTMLElement[] {
   const table = el("table", { hidden: true, "aria-label": "Energies compared" }, head, body);
   const show = (): void => {
     const all = session.rows.flatMap((entry) => Object.keys(entry).filter((name) => plain(entry[name])));
-    const names = [...new Set(["name", ...all])];
+    const names = [...new Set([...FIRST, ...all])].filter((name) => name !== "energy");
     table.hidden = session.rows.length === 0;
     head.replaceChildren(headings(names.map((name) => name.replaceAll("_", " "))));
     body.replaceChildren(...session.rows.map((entry) => el("tr", {}, ...names.map((name) => el("td", {}, text(entry[name]))))));

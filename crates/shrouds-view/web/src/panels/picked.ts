@@ -10,7 +10,7 @@ export class PickedPanel {
   readonly element: HTMLDetailsElement;
   private readonly list = el("dl");
   private readonly hint = el("div", { className: "quiet" }, "Click on the surface to pick a vertex.");
-  private last: { view: number; vertex: number } | undefined;
+  private last: { view: number; vertex: number; revision: number | undefined } | undefined;
 
   constructor(
     private readonly session: Session,
@@ -25,12 +25,12 @@ export class PickedPanel {
   async pick(hit: Hit): Promise<void> {
     const vertex = this.stage.vertex(hit);
     if (vertex < 0) return;
-    this.last = { view: hit.view, vertex };
+    this.last = { view: hit.view, vertex, revision: this.session.views[hit.view]?.surface?.revision };
     await this.ask();
   }
 
   private forget(): void {
-    if (this.last && this.session.views[this.last.view]?.state !== "waiting") return;
+    if (this.last && this.session.views[this.last.view]?.surface?.revision === this.last.revision) return;
     this.last = undefined;
     this.list.replaceChildren();
     this.hint.hidden = false;
@@ -40,12 +40,13 @@ export class PickedPanel {
   private async ask(): Promise<void> {
     const { last } = this;
     if (!last) return;
-    const picked = await this.session.attempt(() => this.session.request<Picked>("pick", { ...last }));
+    const { view, vertex } = last;
+    const picked = await this.session.attempt(() => this.session.request<Picked>("pick", { view, vertex }));
     if (!picked || this.last !== last) return;
     this.hint.hidden = true;
-    const rows = facts(last.vertex, picked).flatMap(([name, value]) => [el("dt", {}, name), el("dd", {}, value)]);
+    const rows = facts(vertex, picked).flatMap(([name, value]) => [el("dt", {}, name), el("dd", {}, value)]);
     this.list.replaceChildren(...rows);
-    this.mark(picked, last.view);
+    this.mark(picked, view);
   }
 
   /** The vertex as a disc, and the two curves through it. */

@@ -55,9 +55,10 @@ export class Camera {
     } else {
       const half = distance * Math.tan((ANGLE * Math.PI) / 360);
       Object.assign(camera, { left: -half * aspect, right: half * aspect, top: half, bottom: -half });
-      camera.near = distance - 3 * this.radius;
+      camera.near = distance - 12 * this.radius;
     }
-    camera.far = distance + 3 * this.radius;
+    // Floors and ways of a scene reach beyond the surface.
+    camera.far = distance + 12 * this.radius;
     camera.updateProjectionMatrix();
     return camera;
   }

@@ -105,14 +105,18 @@ void main() {
 
 export const pointVertex = /* glsl */ `
 in float inside;
-uniform float size;
+uniform float step;
+// Pixels of the device in one of the page, and in the height of a pane.
+uniform vec2 pixels;
 out float vInside;
 out vec3 vPlace;
 void main() {
   vInside = inside;
   vPlace = position;
   gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
-  gl_PointSize = size;
+  // A quarter of a voxel across, but neither too small to see nor in the way.
+  float size = 0.125 * step * projectionMatrix[1][1] * pixels.y / gl_Position.w;
+  gl_PointSize = clamp(size, 2.5 * pixels.x, 12.0 * pixels.x);
 }
 `;
 

@@ -1,7 +1,7 @@
 // The picture: one canvas, up to four panes with one camera, drawn only when something changes.
 
 import {
-  Box3, Color, Group, Matrix3, Matrix4, Object3D, Scene, Vector3, Vector4,
+  Box3, Color, Group, Matrix3, Matrix4, Object3D, Scene, Vector2, Vector3, Vector4,
   WebGLRenderer,
 } from "three";
 import type { Frame, Lines, Plane, Points, Topology } from "../frames.ts";
@@ -84,6 +84,7 @@ export class Stage {
   private commonUniforms(): Uniforms {
     return {
       plane: { value: new Vector4(0, 0, 0, 1) },
+      pixels: { value: new Vector2(1, 1) },
       smoothly: { value: false },
       front: { value: FRONT },
       back: { value: BACK },
@@ -217,7 +218,7 @@ export class Stage {
         frame.kind === "image"
           ? overlays.plane(frame)
           : frame.kind === "points"
-            ? overlays.points(frame, this.uniforms)
+            ? overlays.points(frame, this.uniforms, Math.min(...(this.volume?.spacing ?? [1])))
             : overlays.lines(frame, this.uniforms, new Vector3(0.85, 0.33, 0.1));
       this.others.set(name, object);
       this.sharedRoot.add(object);
@@ -337,6 +338,8 @@ export class Stage {
     const bottom = this.canvas.clientHeight - top - height;
     const camera = this.camera.aim(width, height);
     this.renderer.setViewport(left, bottom, width, height);
+    const ratio = this.renderer.getPixelRatio();
+    (this.uniforms.pixels!.value as Vector2).set(ratio, ratio * height);
     this.prepare(pane, false);
     const part = (from: number, to: number, midpoints: boolean): void => {
       if (to <= from) return;
