@@ -60,8 +60,8 @@ interface Edited extends Holding {
 }
 
 const RUN_DELAY = 120;
-/** Surfaces of more vertices are not packed to tell how small they become. */
-const MOST_PACKED = 600_000;
+/** Larger surfaces are packed, to tell how small they become, only when that is asked for. */
+const MOST_PACKED = 30_000;
 
 export class Session {
   hello!: Hello;
@@ -309,14 +309,19 @@ export class Session {
     model.settled = true;
     this.tell("solver");
     this.tell("settled");
+    await this.measure(view, false);
+    if ((model.surface?.vertices ?? 0) < MOST_PACKED) await this.measure(view, true);
+  }
+
+  /** Asks for the numbers of a surface at rest; with the sizes when packed it can take a while. */
+  async measure(view: number, bits: boolean): Promise<void> {
+    const model = this.views[view];
+    if (!model?.settled) return;
     const revision = model.surface?.revision;
-    const packed = (model.surface?.vertices ?? 0) < MOST_PACKED;
-    for (const bits of packed ? [false, true] : [false]) {
-      const numbers = await this.attempt(() => this.request<Numbers>("numbers", { view, bits }));
-      if (!numbers || !model.settled || model.surface?.revision !== revision) return;
-      model.numbers = numbers;
-      this.tell("numbers");
-    }
+    const numbers = await this.attempt(() => this.request<Numbers>("numbers", { view, bits }));
+    if (!numbers || !model.settled || model.surface?.revision !== revision) return;
+    model.numbers = numbers;
+    this.tell("numbers");
   }
 }
 
@@ -326,6 +331,7 @@ function typed(settings: Settings): Record<string, string | true> {
   return Object.fromEntries(entries) as Record<string, string | true>;
 }
 
+/** The first point of the plots. */
 function startOf({ energy }: Surface): Sample[] {
   return [{ iteration: 0, energy, gradient: null, move: null, change: null }];
 }
