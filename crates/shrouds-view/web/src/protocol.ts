@@ -24,6 +24,8 @@ export interface Hello {
   fields: { name: string; help: string }[];
   formats: string[];
   demos: { name: string; size: number }[];
+  /** Names of examples of sonar scenes. */
+  scenes: string[];
   input: Source | null;
 }
 

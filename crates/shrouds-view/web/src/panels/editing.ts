@@ -38,7 +38,7 @@ export function editingPanel(session: Session): HTMLElement {
 
 /** Where a target can be, from what a towed array has heard: a slider of time. */
 export function sonarPanel(session: Session, stage: Stage): HTMLElement {
-  const path = el("input", { type: "text", placeholder: "scene.toml, or demo", spellcheck: false });
+  const path = el("input", { type: "text", placeholder: "scene.toml; empty: an example", spellcheck: false });
   path.setAttribute("aria-label", "Path of a sonar scene");
   let steps: unknown[] = [];
   let at = 0;
@@ -55,8 +55,8 @@ export function sonarPanel(session: Session, stage: Stage): HTMLElement {
   });
   time.element.hidden = true;
   const load = async (): Promise<void> => {
-    const text = path.value.trim() || "demo";
-    const source = text === "demo" ? { demo: "figure11" } : { path: text };
+    const text = path.value.trim();
+    const source = text === "" ? { demo: session.hello.scenes[0] } : { path: text };
     const scene = await session.attempt(() => session.request<{ steps: unknown[] }>("scene", source));
     if (!scene) return;
     steps = scene.steps;
