@@ -38,7 +38,7 @@ export function editingPanel(session: Session): HTMLElement {
 
 /** Where a target can be, from what a towed array has heard: a slider of time. */
 export function sonarPanel(session: Session, stage: Stage): HTMLElement {
-  const path = el("input", { type: "text", placeholder: "scene.toml; empty: an example", spellcheck: false });
+  const path = el("input", { type: "text", placeholder: `scene.toml, or ${session.hello.scenes.at(-1)}`, spellcheck: false });
   path.setAttribute("aria-label", "Path of a sonar scene");
   let steps: unknown[] = [];
   let at = 0;
@@ -55,8 +55,9 @@ export function sonarPanel(session: Session, stage: Stage): HTMLElement {
   });
   time.element.hidden = true;
   const load = async (): Promise<void> => {
-    const text = path.value.trim();
-    const source = text === "" ? { demo: session.hello.scenes[0] } : { path: text };
+    const { scenes } = session.hello;
+    const text = path.value.trim() || scenes.at(-1) || "";
+    const source = scenes.includes(text) ? { demo: text } : { path: text };
     const scene = await session.attempt(() => session.request<{ steps: unknown[] }>("scene", source));
     if (!scene) return;
     steps = scene.steps;
