@@ -37,11 +37,11 @@ export class Connection {
     socket.addEventListener("close", ({ code, reason }) => this.end(code, reason));
   }
 
-  /** Resolves when the socket is open. */
-  static open(address: string, handlers: Handlers): Promise<Connection> {
-    const socket = new WebSocket(address);
+  /** Resolves when the socket, on which nothing has come yet, is open. */
+  static open(socket: WebSocket, handlers: Handlers): Promise<Connection> {
     socket.binaryType = "arraybuffer";
     const connection = new Connection(socket, handlers);
+    if (socket.readyState === WebSocket.OPEN) return Promise.resolve(connection);
     return new Promise((resolve) => socket.addEventListener("open", () => resolve(connection)));
   }
 

@@ -100,6 +100,8 @@ export function compact(value: number | null | undefined): string {
   return String(Number(value.toPrecision(4)));
 }
 
+/** Bytes in three digits: 259, 1.45k, 22k. */
 export function bytes(value: number): string {
-  return value < 10_000 ? `${value} B` : value < 1e7 ? `${Math.round(value / 1e3)} kB` : `${Math.round(value / 1e6)} MB`;
+  const power = value < 1000 ? 0 : value < 1e6 ? 1 : 2;
+  return `${Number((value / 1000 ** power).toPrecision(3))}${["", "k", "M"][power]}`;
 }

@@ -1,7 +1,6 @@
 // Keys: one table for what they do and for the page that tells of them.
 
 import { el } from "./dom.ts";
-import { undo } from "./panels/editing.ts";
 import { nextTheme, setViews } from "./panels/bar.ts";
 import { randomStart } from "./panels/fairing.ts";
 import type { Stage } from "./scene/stage.ts";
@@ -71,7 +70,7 @@ export function listen(session: Session, table: readonly Key[]): void {
     if (target.matches("input:not([type=checkbox]), select, textarea") || target.closest("dialog")) return;
     if ((event.ctrlKey || event.metaKey) && key === "z") {
       event.preventDefault();
-      return void undo(session, event.shiftKey ? "redo" : "undo");
+      return void session.edit(event.shiftKey ? "redo" : "undo");
     }
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const digit = /^Digit([1-4])$/.exec(event.code);

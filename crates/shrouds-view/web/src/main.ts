@@ -14,6 +14,7 @@ import { outPanel } from "./panels/out.ts";
 import { describe, layout, legend, makePanes } from "./panels/panes.ts";
 import { PickedPanel } from "./panels/picked.ts";
 import { seeingBar } from "./panels/seeing.ts";
+import { triad } from "./panels/triad.ts";
 import { pointer } from "./pointer.ts";
 import { Stage } from "./scene/stage.ts";
 import { Session } from "./session.ts";
@@ -22,6 +23,9 @@ import { Store, type State } from "./state.ts";
 const part = <T extends HTMLElement>(id: string): T => document.getElementById(id) as T;
 
 async function start(): Promise<void> {
+  // The program answers while the graphics card gets ready.
+  const scheme = location.protocol === "https:" ? "wss" : "ws";
+  const socket = new WebSocket(`${scheme}://${location.host}/ws${location.search}`);
   const store = new Store(fromAddress(location.hash));
   theme(store);
   const canvas = part<HTMLCanvasElement>("canvas");
@@ -30,8 +34,6 @@ async function start(): Promise<void> {
   const stage = makeStage(canvas, store, panes);
   if (!stage) return;
   notice("Connecting…");
-  const query = location.search;
-  const socket = `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/ws${query}`;
   const session = await Session.start(socket, store, stage);
   notice();
   build(session, stage, canvas, panes);
@@ -74,7 +76,7 @@ function build(session: Session, stage: Stage, canvas: HTMLCanvasElement, panes:
   let told = (): void => undefined;
   const key = legend(session, new Looks(session, stage, () => told()));
   told = key.show;
-  part("stage").append(key.element);
+  part("stage").append(triad(stage), key.element);
   pointer(canvas, session, stage, (hit) => void picked.pick(hit));
   dropping(session);
 }
@@ -88,6 +90,7 @@ function react(session: Session, stage: Stage): void {
     for (let view = 0; view < state.views; view++) {
       if (state.settings[view] !== before.settings[view] || view >= before.views) session.shroudSoon(view);
     }
+    for (let view = state.views; view < before.views; view++) session.drop(view);
     before = state;
   });
   store.watch(["live"], ({ live, active }) => live && void session.control(active, "run"));

@@ -2,7 +2,6 @@
 
 import { MOUSE } from "three";
 import { latest } from "./latest.ts";
-import type { Surface, Volume } from "./protocol.ts";
 import type { Hit, Stage } from "./scene/stage.ts";
 import type { Session } from "./session.ts";
 
@@ -57,15 +56,8 @@ export function pointer(canvas: HTMLCanvasElement, session: Session, stage: Stag
 
 /** Adds or removes the voxels of a ball. */
 async function dab(session: Session, { place }: Hit): Promise<void> {
-  const { volume, slot, store } = session;
+  const { volume, store } = session;
   if (!volume) return;
   const centre = place.map((value, axis) => value / (volume.spacing[axis] ?? 1));
-  const fields = { slot, add: store.state.brushAdds, centre, radius: store.state.brushRadius };
-  interface Changed {
-    changed: number;
-    volume: Volume;
-    surfaces?: Surface[];
-  }
-  const answer = await session.attempt(() => session.request<Changed>("brush", fields));
-  if (answer) session.edited(answer.volume, answer.surfaces ?? []);
+  await session.edit("brush", { add: store.state.brushAdds, centre, radius: store.state.brushRadius });
 }

@@ -7,6 +7,8 @@ export interface Choice {
   order?: number;
   values?: { value: string; help: string }[];
   range?: [number, number];
+  /** Takes other values too. */
+  text?: boolean;
   /** Has no value: given or not. */
   flag?: boolean;
 }
@@ -22,6 +24,8 @@ export interface Hello {
   fields: { name: string; help: string }[];
   formats: string[];
   demos: { name: string; size: number }[];
+  /** Names of examples of sonar scenes. */
+  scenes: string[];
   input: Source | null;
 }
 
@@ -79,7 +83,7 @@ export interface SolverEvent {
 }
 
 export interface Numbers {
-  volume: number;
+  volume: number | null;
   area: number;
   wrong_side: number;
   manifold: boolean;
@@ -92,13 +96,17 @@ export interface Numbers {
 }
 
 export interface Picked {
-  edge: { axis: string; point: [number, number, number] };
+  /** The axis of the grid edge and its two ends, in voxel indices. */
+  edge: { axis: number; inside: [number, number, number]; outside: [number, number, number] };
   delta: number;
+  /** In lattice coordinates, and in those of the file. */
   position: [number, number, number];
+  world: [number, number, number];
   normal: [number, number, number];
   neighbours: (number | null)[];
-  rho: number | null;
-  curvature: number | { mean: number; gaussian: number } | null;
+  /** On either curve. */
+  rho: (number | null)[];
+  curvature: Record<string, number>;
 }
 
 export interface Colouring {

@@ -54,9 +54,14 @@ interface Holding {
   volume: Volume;
 }
 
+interface Edited extends Holding {
+  changed: number;
+  surfaces: Surface[];
+}
+
 const RUN_DELAY = 120;
-/** Surfaces of more vertices are not packed to tell how small they become. */
-const MOST_PACKED = 600_000;
+/** Larger surfaces are packed, to tell how small they become, only when that is asked for. */
+const MOST_PACKED = 30_000;
 
 export class Session {
   hello!: Hello;
@@ -65,6 +70,7 @@ export class Session {
   readonly messages: Message[] = [];
   readonly rows: Record<string, unknown>[] = [];
   work: Work | undefined;
+  private said = 0;
   private readonly listeners: [Topic, () => void][] = [];
   private readonly timers = new Map<number, ReturnType<typeof setTimeout>>();
   private readonly generations = Array<number>(MOST_VIEWS).fill(0);
@@ -76,17 +82,16 @@ export class Session {
 
   private connection!: Connection;
 
-  /** Connects and says hello. */
-  static async start(address: string, store: Store, screen: Screen): Promise<Session> {
+  /** Says hello. */
+  static async start(socket: WebSocket, store: Store, screen: Screen): Promise<Session> {
     const session = new Session(store, screen);
-    session.connection = await Connection.open(address, {
+    session.connection = await Connection.open(socket, {
       event: (name, event) => session.event(name, event),
       frame: (frame) => session.frame(frame),
       closed: (reason) => session.say("error", `${reason} Reload the page to go on: the address keeps your choices.`),
       broken: (error) => session.say("error", `The program sent what this page cannot read: ${error.message}`),
     });
-    const none = { fields: [], formats: [] };
-    session.hello = { ...none, ...(await session.request<Hello>("hello")) };
+    session.hello = await session.request<Hello>("hello");
     return session;
   }
 
@@ -95,14 +100,18 @@ export class Session {
   }
 
   request<T>(name: string, fields: Record<string, unknown> = {}): Promise<T> {
-    return this.connection.request<T>(name, fields);
+    return this.connection.request<T>(name, fields).finally(() => this.work && this.working());
   }
 
   framed<T, F extends Answer>(name: string, fields: Record<string, unknown>): Promise<Framed<T, F>> {
-    return this.connection.framedRequest<T, F>(name, fields);
+    return this.connection.framedRequest<T, F>(name, fields).finally(() => this.work && this.working());
   }
 
   say(level: Message["level"], text: string): void {
+    // Views that fail alike say so once.
+    const now = performance.now();
+    if (text === this.messages.at(-1)?.text && now - this.said < 2000) return;
+    this.said = now;
     this.messages.push({ level, text });
     if (this.messages.length > 50) this.messages.shift();
     this.tell("messages");
@@ -148,12 +157,15 @@ export class Session {
     if (again && volume.slot === this.slot) this.shroudAll();
   }
 
-  /** The volume after the brush, and the surfaces that took the place of those before. */
-  edited(volume: Volume, surfaces: readonly Surface[]): void {
-    this.took(volume, surfaces.length === 0);
-    for (const surface of surfaces) {
+  /** Brush, undo and redo: the volume changes, and its surfaces follow by themselves. */
+  async edit(name: "brush" | "undo" | "redo", fields: Record<string, unknown> = {}): Promise<void> {
+    const edited = await this.attempt(() => this.request<Edited>(name, { slot: this.slot, ...fields }));
+    if (!edited) return;
+    this.took(edited.volume, false);
+    for (const surface of edited.surfaces) {
       const model = this.views[surface.view];
-      if (model) Object.assign(model, { surface, settled: false, numbers: undefined, history: [] });
+      const anew = { ...emptyView(surface.view), surface, state: "paused", history: startOf(surface) };
+      if (model) Object.assign(model, anew);
     }
     this.tell("started");
     this.tell("views");
@@ -179,6 +191,17 @@ export class Session {
 
   shroudAll(): void {
     for (let view = 0; view < this.store.state.views; view++) void this.shroud(view);
+  }
+
+  /** A view that is not shown any more stops and is forgotten. */
+  drop(view: number): void {
+    const model = this.views[view];
+    if (!model?.surface) return;
+    this.later(view);
+    clearTimeout(this.timers.get(view));
+    void this.attempt(() => this.request("cancel", { view }));
+    Object.assign(model, { ...emptyView(view), surface: undefined });
+    this.screen.forget(view);
   }
 
   /** As `shroud`, when nothing has changed for a moment. */
@@ -286,14 +309,19 @@ export class Session {
     model.settled = true;
     this.tell("solver");
     this.tell("settled");
+    await this.measure(view, false);
+    if ((model.surface?.vertices ?? 0) < MOST_PACKED) await this.measure(view, true);
+  }
+
+  /** Asks for the numbers of a surface at rest; with the sizes when packed it can take a while. */
+  async measure(view: number, bits: boolean): Promise<void> {
+    const model = this.views[view];
+    if (!model?.settled) return;
     const revision = model.surface?.revision;
-    const packed = (model.surface?.vertices ?? 0) < MOST_PACKED;
-    for (const bits of packed ? [false, true] : [false]) {
-      const numbers = await this.attempt(() => this.request<Numbers>("numbers", { view, bits }));
-      if (!numbers || !model.settled || model.surface?.revision !== revision) return;
-      model.numbers = numbers;
-      this.tell("numbers");
-    }
+    const numbers = await this.attempt(() => this.request<Numbers>("numbers", { view, bits }));
+    if (!numbers || !model.settled || model.surface?.revision !== revision) return;
+    model.numbers = numbers;
+    this.tell("numbers");
   }
 }
 
@@ -303,6 +331,7 @@ function typed(settings: Settings): Record<string, string | true> {
   return Object.fromEntries(entries) as Record<string, string | true>;
 }
 
+/** The first point of the plots. */
 function startOf({ energy }: Surface): Sample[] {
   return [{ iteration: 0, energy, gradient: null, move: null, change: null }];
 }

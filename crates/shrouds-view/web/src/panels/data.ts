@@ -78,7 +78,7 @@ function source(session: Session): HTMLElement[] {
   pair.style.flexWrap = "nowrap";
   name.id = "demo";
   return [
-    el("div", { className: "field" }, el("label", { htmlFor: name.id }, "Demo"), pair),
+    el("div", { className: "field short" }, el("label", { htmlFor: name.id }, "Demo"), pair),
     row(el("span", { className: "grow" }, path), button("Open", given)),
     row(button("Choose a file…", () => file.click()), el("span", { className: "quiet", title: "Held with Shift it becomes the second volume, B" }, "or drop one"), file),
   ];
@@ -105,7 +105,7 @@ function facts(volume: Volume): [string, string][] {
   const steps = spacing.map((step) => compact(step)).join(" × ");
   const found: [string, string][] = [
     ["voxels", dims.join(" × ")],
-    ["spacing", unit ? `${steps} ${unit}` : steps],
+    ["spacing", unit && unit !== "unknown" ? `${steps} ${unit}` : steps],
     ["inside", compact(inside)],
   ];
   if (frame) found.push(["frame", frame]);

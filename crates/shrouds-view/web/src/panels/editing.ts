@@ -30,19 +30,15 @@ export function editingPanel(session: Session): HTMLElement {
     row(on, el("span", { className: "segmented", role: "group", "aria-label": "What the brush does" }, adds, removes)),
     field("Radius", radius.element, "In voxels; [ and ]"),
     row(
-      button("Undo", () => void undo(session, "undo"), "Undo (Ctrl+Z)"),
-      button("Redo", () => void undo(session, "redo"), "Redo (Ctrl+Shift+Z)"),
+      button("Undo", () => void session.edit("undo"), "Undo (Ctrl+Z)"),
+      button("Redo", () => void session.edit("redo"), "Redo (Ctrl+Shift+Z)"),
     ),
   );
 }
 
-export async function undo(session: Session, what: "undo" | "redo"): Promise<void> {
-  await session.change(what, { slot: session.slot });
-}
-
 /** Where a target can be, from what a towed array has heard: a slider of time. */
 export function sonarPanel(session: Session, stage: Stage): HTMLElement {
-  const path = el("input", { type: "text", placeholder: "scene.toml, or demo", spellcheck: false });
+  const path = el("input", { type: "text", placeholder: `scene.toml, or ${session.hello.scenes.at(-1)}`, spellcheck: false });
   path.setAttribute("aria-label", "Path of a sonar scene");
   let steps: unknown[] = [];
   let at = 0;
@@ -59,8 +55,9 @@ export function sonarPanel(session: Session, stage: Stage): HTMLElement {
   });
   time.element.hidden = true;
   const load = async (): Promise<void> => {
-    const text = path.value.trim() || "demo";
-    const source = text === "demo" ? { demo: "figure11" } : { path: text };
+    const { scenes } = session.hello;
+    const text = path.value.trim() || scenes.at(-1) || "";
+    const source = scenes.includes(text) ? { demo: text } : { path: text };
     const scene = await session.attempt(() => session.request<{ steps: unknown[] }>("scene", source));
     if (!scene) return;
     steps = scene.steps;

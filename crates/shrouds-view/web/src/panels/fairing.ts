@@ -90,7 +90,7 @@ interface Control {
 
 function control(choice: Choice, choose: (value: string | undefined) => void): Control {
   if (choice.flag) return flag(choose);
-  if (choice.values?.length) return choosing(choice, choose);
+  if (choice.values?.length && !choice.text) return choosing(choice, choose);
   return typing(choice, choose);
 }
 
@@ -102,7 +102,7 @@ function flag(choose: (value: string | undefined) => void): Control {
 }
 
 function choosing(choice: Choice, choose: (value: string | undefined) => void): Control {
-  const usual = choice.default === null ? "as preset" : String(choice.default);
+  const usual = choice.default === null ? "usual" : String(choice.default);
   const options = (choice.values ?? []).filter(({ value }) => value !== choice.default);
   const element = select([], (value) => choose(value === "" ? undefined : value));
   const show = (value = ""): void => {
@@ -115,11 +115,20 @@ function choosing(choice: Choice, choose: (value: string | undefined) => void): 
 }
 
 function typing(choice: Choice, choose: (value: string | undefined) => void): Control {
-  const placeholder = choice.default === null ? "as preset" : String(choice.default);
+  const placeholder = choice.default === null ? "usual" : String(choice.default);
   const element = el("input", { type: "text", placeholder, spellcheck: false, title: choice.help });
   element.addEventListener("change", () => choose(element.value.trim() || undefined));
+  if (choice.values) element.setAttribute("list", suggestions(choice.values));
   const show = (value = ""): void => {
     if (document.activeElement !== element || value === "") element.value = value;
   };
   return { element, show };
+}
+
+/** A list of values to choose from or to change; its name. */
+function suggestions(values: readonly { value: string; help: string }[]): string {
+  const list = el("datalist", {}, ...values.map(({ value, help }) => el("option", { value }, help)));
+  list.id = `values-${values.map(({ value }) => value).join("-")}`;
+  document.body.append(list);
+  return list.id;
 }

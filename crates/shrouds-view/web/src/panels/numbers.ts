@@ -3,10 +3,13 @@
 import { button, bytes, compact, el, row } from "../dom.ts";
 import type { Session, View } from "../session.ts";
 
+/** The columns of a comparison that come first. */
+const FIRST = ["name", "status", "iterations", "seconds", "volume", "area", "roughness", "largest_move"];
+/** Packed with so many bits for the place of each vertex. */
 const BITS = ["0", "1", "2", "4", "8"];
 const HEADINGS = [
   "setting", "energy", "vertices", "triangles", "volume", "area", "wrong side", "manifold", "parts", "roughness",
-  ...BITS.map((bits) => `${bits} bit`), "seconds",
+  ...BITS.map((bits) => (bits === "0" ? "0 bit" : bits)), "seconds",
 ];
 
 export function numbersPanel(session: Session): HTMLElement[] {
@@ -70,7 +73,8 @@ function comparison(session: Session): HTMLElement[] {
   const body = el("tbody");
   const table = el("table", { hidden: true, "aria-label": "Energies compared" }, head, body);
   const show = (): void => {
-    const names = [...new Set(session.rows.flatMap((entry) => Object.keys(entry).filter((name) => plain(entry[name]))))];
+    const all = session.rows.flatMap((entry) => Object.keys(entry).filter((name) => plain(entry[name])));
+    const names = [...new Set([...FIRST, ...all])].filter((name) => name !== "energy");
     table.hidden = session.rows.length === 0;
     head.replaceChildren(headings(names.map((name) => name.replaceAll("_", " "))));
     body.replaceChildren(...session.rows.map((entry) => el("tr", {}, ...names.map((name) => el("td", {}, text(entry[name]))))));
@@ -86,12 +90,17 @@ function comparison(session: Session): HTMLElement[] {
     go.disabled = false;
   };
   const go = button("Compare", () => void start(), "Shroud the volume with one energy after the other");
-  const bar = row(el("span", { className: "grow" }, energies), go);
+  const sizes = button(
+    "Sizes",
+    () => void session.measure(session.store.state.active, true),
+    "Bytes of the active view when packed with 0 to 8 bits for each vertex; small surfaces tell by themselves",
+  );
+  const bar = row(el("span", { className: "grow" }, energies), go, sizes);
   bar.style.padding = "5px 12px";
   return [bar, table];
 }
 
-const plain = (value: unknown): boolean => typeof value !== "object" && value !== undefined;
+const plain = (value: unknown): boolean => typeof value === "number" || typeof value === "string";
 
 function text(value: unknown): string {
   return typeof value === "number" ? compact(value) : String(value ?? "–");

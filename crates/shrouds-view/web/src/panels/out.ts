@@ -11,11 +11,14 @@ export function outPanel(session: Session, stage: Stage): HTMLElement {
   const frame = select([{ value: "world" }, { value: "index" }], () => undefined);
   const command = el("textarea", { rows: 3, readOnly: true, placeholder: "the equivalent command line" });
   command.setAttribute("aria-label", "The equivalent command line");
+  const note = el("div", { className: "quiet" });
   const refresh = async (): Promise<void> => {
     const { index, surface } = session.active;
     if (!surface) return;
-    const answer = await session.attempt(() => session.request<{ command: string } | string>("command", { view: index }));
-    if (answer) command.value = typeof answer === "string" ? answer : answer.command;
+    const answer = await session.attempt(() => session.request<{ command: string; note: string | null }>("command", { view: index }));
+    if (!answer) return;
+    command.value = answer.command;
+    note.textContent = answer.note ?? "";
   };
   session.on("settled", () => void refresh());
   session.store.watch(["active"], () => void refresh());
@@ -29,6 +32,7 @@ export function outPanel(session: Session, stage: Stage): HTMLElement {
       button("Copy address", () => void copy(session, location.href, "The address"), "All choices are in the address"),
     ),
     command,
+    note,
     row(button("Copy command", () => void copy(session, command.value, "The command line"))),
   );
 }
@@ -50,10 +54,9 @@ async function picture(session: Session, stage: Stage): Promise<void> {
 
 async function report(session: Session): Promise<void> {
   const { index } = session.active;
-  const answer = await session.attempt(() => session.request<unknown>("report", { view: index }));
+  const answer = await session.attempt(() => session.request<{ report: unknown }>("report", { view: index }));
   if (!answer) return;
-  const inner = (answer as { report?: unknown }).report ?? answer;
-  offer(new Blob([JSON.stringify(inner, null, 2)], { type: "application/json" }), `${baseName(session)}.json`);
+  offer(new Blob([JSON.stringify(answer.report, null, 2)], { type: "application/json" }), `${baseName(session)}.json`);
 }
 
 function baseName(session: Session): string {

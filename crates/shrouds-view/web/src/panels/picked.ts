@@ -4,12 +4,13 @@ import { compact, el, section } from "../dom.ts";
 import type { Picked } from "../protocol.ts";
 import type { Hit, Stage } from "../scene/stage.ts";
 import type { Session } from "../session.ts";
+import { axes } from "../state.ts";
 
 export class PickedPanel {
   readonly element: HTMLDetailsElement;
   private readonly list = el("dl");
   private readonly hint = el("div", { className: "quiet" }, "Click on the surface to pick a vertex.");
-  private last: { view: number; vertex: number } | undefined;
+  private last: { view: number; vertex: number; revision: number | undefined } | undefined;
 
   constructor(
     private readonly session: Session,
@@ -24,12 +25,12 @@ export class PickedPanel {
   async pick(hit: Hit): Promise<void> {
     const vertex = this.stage.vertex(hit);
     if (vertex < 0) return;
-    this.last = { view: hit.view, vertex };
+    this.last = { view: hit.view, vertex, revision: this.session.views[hit.view]?.surface?.revision };
     await this.ask();
   }
 
   private forget(): void {
-    if (this.last && this.session.views[this.last.view]?.state !== "waiting") return;
+    if (this.last && this.session.views[this.last.view]?.surface?.revision === this.last.revision) return;
     this.last = undefined;
     this.list.replaceChildren();
     this.hint.hidden = false;
@@ -39,12 +40,13 @@ export class PickedPanel {
   private async ask(): Promise<void> {
     const { last } = this;
     if (!last) return;
-    const picked = await this.session.attempt(() => this.session.request<Picked>("pick", { ...last }));
+    const { view, vertex } = last;
+    const picked = await this.session.attempt(() => this.session.request<Picked>("pick", { view, vertex }));
     if (!picked || this.last !== last) return;
     this.hint.hidden = true;
-    const rows = facts(last.vertex, picked).flatMap(([name, value]) => [el("dt", {}, name), el("dd", {}, value)]);
+    const rows = facts(vertex, picked).flatMap(([name, value]) => [el("dt", {}, name), el("dd", {}, value)]);
     this.list.replaceChildren(...rows);
-    this.mark(picked, last.view);
+    this.mark(picked, view);
   }
 
   /** The vertex as a disc, and the two curves through it. */
@@ -62,18 +64,18 @@ export class PickedPanel {
 }
 
 function facts(vertex: number, picked: Picked): [string, string][] {
-  const { edge, delta, position, normal, neighbours, rho, curvature } = picked;
-  const list = (values: readonly number[]): string => values.map((value) => compact(Number(value.toPrecision(4)))).join(", ");
-  const found: [string, string][] = [
+  const { edge, delta, world, normal, neighbours, rho, curvature } = picked;
+  const list = (values: readonly (number | null)[]): string => values.map((value) => compact(value && Number(value.toPrecision(4)))).join(", ");
+  return [
     ["number", compact(vertex)],
-    ["grid edge", `along ${edge.axis} from ${edge.point.join(", ")}`],
+    ["grid edge along", axes[edge.axis] ?? ""],
+    ["inside", edge.inside.join(", ")],
+    ["outside", edge.outside.join(", ")],
     ["δ", delta.toFixed(4)],
-    ["position", list(position)],
+    ["position", list(world)],
     ["normal", list(normal)],
     ["neighbours", neighbours.map((other) => other ?? "none").join(", ")],
-    ["ρ", compact(rho)],
+    ["ρ on its curves", list(rho)],
+    ...Object.entries(curvature).map(([name, value]): [string, string] => [`${name} curvature`, compact(value)]),
   ];
-  if (typeof curvature === "number") found.push(["curvature", compact(curvature)]);
-  else if (curvature) for (const [name, value] of Object.entries(curvature)) found.push([name, compact(value)]);
-  return found;
 }

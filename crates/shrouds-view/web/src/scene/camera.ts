@@ -51,25 +51,26 @@ export class Camera {
     const distance = camera.position.distanceTo(this.controls.target);
     if (camera instanceof PerspectiveCamera) {
       camera.aspect = aspect;
-      camera.near = Math.max(distance - 4 * this.radius, distance / 200);
+      camera.near = Math.max(distance - 3 * this.radius, distance / 200);
     } else {
       const half = distance * Math.tan((ANGLE * Math.PI) / 360);
       Object.assign(camera, { left: -half * aspect, right: half * aspect, top: half, bottom: -half });
-      camera.near = distance - 8 * this.radius;
+      camera.near = distance - 12 * this.radius;
     }
-    camera.far = distance + 8 * this.radius;
+    // Floors and ways of a scene reach beyond the surface.
+    camera.far = distance + 12 * this.radius;
     camera.updateProjectionMatrix();
     return camera;
   }
 
   /** All of the box in sight, from where pictures are taken. */
   fit(box: Box3, directions: Matrix3, aspect: number): void {
-    const centre = box.getCenter(new Vector3()).applyMatrix3(directions);
+    const middle = box.getCenter(new Vector3());
     this.radius = Math.max(box.getSize(new Vector3()).length() / 2, 1e-6);
-    const half = Math.min(1, aspect) * Math.tan((ANGLE * Math.PI) / 360);
     this.current.zoom = 1;
-    this.controls.target.copy(centre);
-    this.current.position.copy(centre).addScaledVector(FROM, (0.92 * this.radius) / half);
+    this.controls.target.copy(middle.clone().applyMatrix3(directions));
+    const away = Math.max(...corners(box).map((corner) => distance(corner.sub(middle).applyMatrix3(directions), aspect)));
+    this.current.position.copy(this.controls.target).addScaledVector(FROM, Math.max(1.06 * away, 1e-6));
     this.controls.update();
   }
 
@@ -108,4 +109,18 @@ export class Camera {
     this.current.zoom = Math.max(numbers[6] ?? 1, 1e-3);
     this.controls.update();
   }
+}
+
+function corners({ min, max }: Box3): Vector3[] {
+  const ends = [min, max];
+  return ends.flatMap(({ x }) => ends.flatMap(({ y }) => ends.map(({ z }) => new Vector3(x, y, z))));
+}
+
+/** How far from the middle the eye must be to see a corner of the box. */
+function distance(corner: Vector3, aspect: number): number {
+  const right = new Vector3(0, 0, 1).cross(FROM).normalize();
+  const up = FROM.clone().cross(right);
+  const half = Math.tan((ANGLE * Math.PI) / 360);
+  const side = Math.max(Math.abs(corner.dot(right)) / aspect, Math.abs(corner.dot(up)));
+  return corner.dot(FROM) + side / half;
 }

@@ -8,7 +8,7 @@ import { segmentsOf, type Lines, type Plane, type Points as PointsFrame } from "
 import { lineFragment, plainLineVertex, pointFragment, pointVertex } from "./shaders.ts";
 import type { Uniforms } from "./surface.ts";
 
-const NEARER = 3e-4;
+const NEARER = 2e-5;
 
 export function lines(frame: Lines, shared: Uniforms, ink: Vector3): LineSegments {
   const geometry = new BufferGeometry();
@@ -23,13 +23,14 @@ export function lines(frame: Lines, shared: Uniforms, ink: Vector3): LineSegment
   return still(new LineSegments(geometry, material));
 }
 
-export function points(frame: PointsFrame, shared: Uniforms): Points {
+/** Points of a lattice with this step, or in the size of such. */
+export function points(frame: PointsFrame, shared: Uniforms, step: number): Points {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(frame.points, 3));
   geometry.setAttribute("inside", new BufferAttribute(frame.inside, 1));
   const uniforms = {
     ...shared,
-    size: { value: 7 * devicePixelRatio },
+    step: { value: step },
     inner: { value: new Vector3(0.05, 0.45, 0.7) },
     outer: { value: new Vector3(0.9, 0.62, 0) },
   };
@@ -51,7 +52,9 @@ export function plane(frame: Plane): Mesh {
   const map = new DataTexture(new Uint8Array(frame.pixels), frame.width, frame.height);
   Object.assign(map, { magFilter: NearestFilter, minFilter: NearestFilter, colorSpace: SRGBColorSpace });
   map.needsUpdate = true;
-  const material = new MeshBasicMaterial({ map, side: DoubleSide, transparent: true, opacity: 0.9 });
+  // Lattice points lie in the slice: it makes room for their discs.
+  const behind = { polygonOffset: true, polygonOffsetFactor: 8, polygonOffsetUnits: 8 };
+  const material = new MeshBasicMaterial({ map, side: DoubleSide, transparent: true, opacity: 0.9, ...behind });
   return still(new Mesh(geometry, material));
 }
 

@@ -49,6 +49,7 @@ in vec3 vDirection;
 in float vScalar;
 uniform bool smoothly;
 uniform bool coloured;
+uniform bool midpoints;
 uniform vec3 front;
 uniform vec3 back;
 uniform vec2 range;
@@ -58,11 +59,12 @@ void main() {
   clip();
   vec3 seen = normalize(cross(dFdx(vView), dFdy(vView)));
   vec3 normal = seen;
-  if (smoothly && dot(vDirection, vDirection) > 0.0) {
+  // Normals and colours are those of the shroud, not of midpoints.
+  if (smoothly && !midpoints && dot(vDirection, vDirection) > 0.0) {
     normal = normalize(vDirection) * (gl_FrontFacing ? 1.0 : -1.0);
   }
   float share = clamp((vScalar - range.x) / (range.y - range.x), 0.0, 1.0);
-  vec3 outer = coloured ? texture(colours, vec2(share * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb : front;
+  vec3 outer = coloured && !midpoints ? texture(colours, vec2(share * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb : front;
   vec3 base = pow(gl_FrontFacing ? outer : back, vec3(2.2));
   float light = 0.2 + 0.8 * max(dot(normal, normalize(vec3(-0.8, 1.0, 2.2))), 0.0);
   colour = vec4(pow(base * light, vec3(1.0 / 2.2)), 1.0);
@@ -103,14 +105,18 @@ void main() {
 
 export const pointVertex = /* glsl */ `
 in float inside;
-uniform float size;
+uniform float step;
+// Pixels of the device in one of the page, and in the height of a pane.
+uniform vec2 pixels;
 out float vInside;
 out vec3 vPlace;
 void main() {
   vInside = inside;
   vPlace = position;
   gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
-  gl_PointSize = size;
+  // A quarter of a voxel across, but neither too small to see nor in the way.
+  float size = 0.125 * step * projectionMatrix[1][1] * pixels.y / gl_Position.w;
+  gl_PointSize = clamp(size, 2.5 * pixels.x, 12.0 * pixels.x);
 }
 `;
 

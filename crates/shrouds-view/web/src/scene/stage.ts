@@ -1,7 +1,7 @@
 // The picture: one canvas, up to four panes with one camera, drawn only when something changes.
 
 import {
-  Box3, Color, Group, Matrix3, Matrix4, Object3D, Scene, Vector3, Vector4,
+  Box3, Color, Group, Matrix3, Matrix4, Object3D, Scene, Vector2, Vector3, Vector4,
   WebGLRenderer,
 } from "three";
 import type { Frame, Lines, Plane, Points, Topology } from "../frames.ts";
@@ -59,6 +59,7 @@ export class Stage {
   private readonly others = new Map<string, Object3D>();
   private volume: Volume | undefined;
   private fitted = "";
+  private readonly listeners: (() => void)[] = [];
   private waiting = false;
   private glideStart = 0;
   private moving = false;
@@ -83,6 +84,7 @@ export class Stage {
   private commonUniforms(): Uniforms {
     return {
       plane: { value: new Vector4(0, 0, 0, 1) },
+      pixels: { value: new Vector2(1, 1) },
       smoothly: { value: false },
       front: { value: FRONT },
       back: { value: BACK },
@@ -147,8 +149,9 @@ export class Stage {
     old?.dispose();
     this.slow = false;
     this.box.setFromArray(topology.outside as unknown as number[]);
-    const { name, dims } = this.volume ?? {};
-    const identity = `${name} ${dims?.join("×")}`;
+    // What is edited, or another step of the same scene, is looked at from where one is.
+    const { name = "", dims, spacing } = this.volume ?? {};
+    const identity = JSON.stringify([name.replace(/( \(edited\)|, contact \d+)$/, ""), dims, spacing]);
     if (this.fitted === identity || this.box.isEmpty()) return;
     const first = this.fitted === "" && this.store.state.camera !== "";
     this.fitted = identity;
@@ -215,7 +218,7 @@ export class Stage {
         frame.kind === "image"
           ? overlays.plane(frame)
           : frame.kind === "points"
-            ? overlays.points(frame, this.uniforms)
+            ? overlays.points(frame, this.uniforms, Math.min(...(this.volume?.spacing ?? [1])))
             : overlays.lines(frame, this.uniforms, new Vector3(0.85, 0.33, 0.1));
       this.others.set(name, object);
       this.sharedRoot.add(object);
@@ -272,6 +275,17 @@ export class Stage {
     return this.panes[view]?.surface?.delta;
   }
 
+  /** Where the axes of the lattice point on the screen: right, up, towards the eye. */
+  axisDirections(): number[][] {
+    const turn = new Matrix3().setFromMatrix4(this.camera.current.matrixWorldInverse).multiply(this.directions);
+    return axes.map((_, axis) => new Vector3().setComponent(axis, 1).applyMatrix3(turn).toArray());
+  }
+
+  /** Calls after each picture. */
+  onDraw(listener: () => void): void {
+    this.listeners.push(listener);
+  }
+
   /** The picture as it is now. */
   picture(): Promise<Blob | null> {
     this.render(performance.now());
@@ -297,7 +311,7 @@ export class Stage {
       if (pane && view < state.views) this.pane(pane, rectangle, state);
     });
     const told = this.panes.flatMap((pane) => pane.drawn.splice(0));
-    for (const drawn of told) drawn();
+    for (const drawn of [...told, ...this.listeners]) drawn();
     if (this.glide(started)) this.draw();
   }
 
@@ -324,6 +338,8 @@ export class Stage {
     const bottom = this.canvas.clientHeight - top - height;
     const camera = this.camera.aim(width, height);
     this.renderer.setViewport(left, bottom, width, height);
+    const ratio = this.renderer.getPixelRatio();
+    (this.uniforms.pixels!.value as Vector2).set(ratio, ratio * height);
     this.prepare(pane, false);
     const part = (from: number, to: number, midpoints: boolean): void => {
       if (to <= from) return;

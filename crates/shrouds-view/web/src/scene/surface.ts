@@ -12,7 +12,9 @@ export type Uniforms = Record<string, IUniform>;
 
 /** Red, white, blue: what the planes of the curves lie across, x, y, z. */
 const FAMILIES = [0xd62728, 0xffffff, 0x1f5fd0] as const;
-const NEARER = 2e-4;
+/** Steep faces make room for the lines on them. */
+const BEHIND = { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 } as const;
+const NEARER = 1e-5;
 
 export class SurfaceModel {
   readonly group = new Group();
@@ -24,8 +26,8 @@ export class SurfaceModel {
   private readonly network: LineSegments[];
   private whole: BufferAttribute;
   private fewer: BufferAttribute | undefined;
-  /** Whether normals are those of the program, not ours. */
-  private given = false;
+  /** Whether the normals are those of other places. */
+  private stale = true;
 
   constructor(
     readonly topology: Topology,
@@ -41,7 +43,7 @@ export class SurfaceModel {
     };
     this.whole = new BufferAttribute(topology.indices, 1);
     this.fill(this.count);
-    const vertex = { glslVersion: GLSL3, uniforms: this.uniforms, side: DoubleSide } as const;
+    const vertex = { glslVersion: GLSL3, uniforms: this.uniforms, side: DoubleSide, ...BEHIND } as const;
     this.painter = new ShaderMaterial({ ...vertex, vertexShader: surfaceVertex, fragmentShader: surfaceFragment });
     this.picker = new ShaderMaterial({ ...vertex, vertexShader: surfaceVertex, fragmentShader: pickFragment });
     this.mesh = new Mesh(this.geometry, this.painter);
@@ -97,10 +99,10 @@ export class SurfaceModel {
 
   /** Other places of the vertices; drawn gliding from those before, if asked to. */
   move(delta: Float32Array, glide: boolean): void {
-    this.write("before", glide ? this.shown() : delta);
+    if (glide) this.write("before", this.shown());
     this.write("delta", delta);
     this.uniforms.glide!.value = glide ? 0 : 1;
-    this.given = false;
+    this.stale = true;
   }
 
   /** The δ on the screen, which may be on its way. */
@@ -125,14 +127,12 @@ export class SurfaceModel {
 
   setNormals(normals: Float32Array): void {
     this.write("direction", normals);
-    this.given = true;
+    this.stale = false;
   }
 
   /** Normals of the triangles where the program has sent none for these places. */
   ownNormals(): void {
-    if (this.given) return;
-    this.setNormals(normalsOf(this.positions(), this.whole.array as Uint32Array));
-    this.given = false;
+    if (this.stale) this.setNormals(normalsOf(this.positions(), this.whole.array as Uint32Array));
   }
 
   /** Numbers of the vertices as colours of a ramp that spans the range; without numbers one colour. */
