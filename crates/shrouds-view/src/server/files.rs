@@ -107,6 +107,12 @@ impl Files {
         Ok(Self(Arc::new(Inner { folder, kept: Mutex::default() })))
     }
 
+    /// Removes the folder, whoever still has a file in it.
+    pub(super) fn remove(&self) {
+        // What is left is empty or in use, and lies where the system cleans up.
+        let _ = fs::remove_dir_all(self.0.folder.path());
+    }
+
     /// The upload with this number, which is the caller's from now on.
     pub fn take(&self, id: &str) -> Option<Upload> {
         self.0.lock().uploads.remove(id)

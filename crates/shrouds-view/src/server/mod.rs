@@ -96,13 +96,14 @@ impl Server {
             cause: cause.to_string(),
         };
         let runtime = runtime::Builder::new_current_thread().enable_all().build().map_err(fail)?;
+        let files = self.files.clone();
         let shared = Shared {
             guard: Arc::new(self.guard),
             files: self.files,
             host,
             places: Arc::new(Semaphore::new(MOST_SESSIONS)),
         };
-        runtime.block_on(async {
+        let ended = runtime.block_on(async {
             self.listener.set_nonblocking(true).map_err(fail)?;
             let listener = tokio::net::TcpListener::from_std(self.listener).map_err(fail)?;
             let serving = pin!(async { axum::serve(listener, routes(shared)).await.map_err(fail) });
@@ -110,7 +111,11 @@ impl Server {
                 futures_util::future::Either::Left((ended, _)) => ended,
                 futures_util::future::Either::Right(_) => Ok(()),
             }
-        })
+        });
+        // Sessions go with it.
+        drop(runtime);
+        files.remove();
+        ended
     }
 }
 
