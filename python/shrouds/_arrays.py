@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -13,27 +14,74 @@ from . import _native
 
 Axes = Literal["zyx", "xyz"]
 Label = int | Iterable[int]
+Spacing = float | Sequence[float]
 Affine = tuple[tuple[float, float, float, float], ...]
 
 
-def volume(
-    values: ArrayLike,
-    *,
-    spacing: float | Sequence[float] | None = None,
+@dataclass(frozen=True, eq=False)
+class Volume:
+    """An array with its place in the world.
+
+    Every function that takes an array takes one of these instead, and then neither ``spacing``, ``origin``
+    or ``affine`` nor ``axes``. ``numpy.asarray(volume)`` is its array.
+    """
+
+    values: NDArray[Any]
+    """One value per lattice point, of three dimensions in the order of ``axes``."""
+    affine: NDArray[np.float64]
+    """Shape (4, 4): the map from an index (i, j, k) along x, y, z to the world. A voxel is its centre."""
+    axes: Axes = "zyx"
+    """Whether the array is indexed ``[z, y, x]`` or ``[x, y, z]``."""
+    frame: str = "index"
+    """What the world is: ``RAS``, ``LPS``, another name, or ``index`` where the file says nothing."""
+    unit: str = "unknown"
+    """Unit of length."""
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        return np.array(self.values, dtype=dtype) if copy else np.asarray(self.values, dtype=dtype)
+
+    @classmethod
+    def _of_bits(cls, bits: _native.Volume, axes: Axes, frame: str, unit: str) -> Volume:
+        affine = np.vstack([bits.affine, (0.0, 0.0, 0.0, 1.0)])
+        return cls(in_z_y_x(bits.to_array(), axes), affine, axes, frame, unit)
+
+
+@dataclass(frozen=True)
+class Inside:
+    """The inside points of an array, and what the array says of its place."""
+
+    bits: _native.Volume
+    axes: Axes
+    frame: str
+    unit: str
+    selection: str
+
+
+def inside(
+    values: ArrayLike | Volume,
+    spacing: Spacing | None = None,
     origin: Sequence[float] | None = None,
     affine: ArrayLike | None = None,
-    axes: Axes = "zyx",
+    axes: Axes | None = None,
     label: Label | None = None,
     threshold: float | None = None,
     threads: int | None = None,
-) -> _native.Volume:
-    """The inside points of an array, a bit each."""
+) -> Inside:
+    """Packs an array to bits."""
+    frame, unit = "index", "unknown"
+    if isinstance(values, Volume):
+        if not (spacing is origin is affine is axes is None):
+            raise ValueError("a Volume knows its place: leave spacing, origin, affine and axes out")
+        axes, affine, frame, unit = values.axes, values.affine, values.frame, values.unit
+        values = values.values
     if label is not None and threshold is not None:
         raise ValueError("give a label or a threshold, not both")
     labels = None if label is None else _labels(label)
-    level = None if threshold is None else float(threshold)
-    frame = index_to_world(spacing, origin, affine)
-    return _native.Volume(in_z_y_x(_usable(values), axes), frame, labels, level, threads)
+    level = None if threshold is None else _number(threshold)
+    rows = index_to_world(spacing, origin, affine)
+    axes = axes or "zyx"
+    bits = _native.Volume(in_z_y_x(_usable(values), axes), rows, labels, level, threads)
+    return Inside(bits, axes, frame, unit, _in_words(labels, level))
 
 
 def in_z_y_x(array: NDArray[Any], axes: Axes) -> NDArray[Any]:
@@ -46,9 +94,7 @@ def in_z_y_x(array: NDArray[Any], axes: Axes) -> NDArray[Any]:
 
 
 def index_to_world(
-    spacing: float | Sequence[float] | None,
-    origin: Sequence[float] | None,
-    affine: ArrayLike | None,
+    spacing: Spacing | None, origin: Sequence[float] | None, affine: ArrayLike | None
 ) -> Affine:
     """Three rows of four, from a spacing and an origin or from an affine."""
     if affine is not None:
@@ -60,18 +106,27 @@ def index_to_world(
         if matrix.shape == (4, 4) and not np.array_equal(matrix[3], (0, 0, 0, 1)):
             raise ValueError(f"the last row of the affine is {matrix[3]}, but must be 0, 0, 0, 1")
     else:
-        steps = _three(1.0 if spacing is None else spacing, "spacing")
+        steps = three(1.0 if spacing is None else spacing, "spacing")
         if not (np.isfinite(steps) & (steps > 0)).all():
             raise ValueError("spacing must be positive numbers along x, y, z")
-        matrix = np.column_stack([np.diag(steps), _three(origin or 0.0, "origin")])
-    return tuple(tuple(map(float, row)) for row in matrix[:3])
+        start = three(0.0 if origin is None else origin, "origin")
+        matrix = np.column_stack([np.diag(steps), start])
+    return tuple((float(a), float(b), float(c), float(d)) for a, b, c, d in matrix[:3])
 
 
-def _three(numbers: float | Sequence[float], name: str) -> NDArray[np.float64]:
+def three(numbers: float | Sequence[float], name: str) -> NDArray[np.float64]:
+    """One number for all axes, or three along x, y, z."""
     array = np.asarray(numbers, dtype=np.float64)
     if array.shape not in ((), (3,)):
         raise ValueError(f"{name} must be one number, or three along x, y, z")
     return np.broadcast_to(array, 3)
+
+
+def _number(threshold: float) -> float:
+    level = float(threshold)
+    if not np.isfinite(level):
+        raise ValueError(f"threshold is {level}, but must be a finite number")
+    return level
 
 
 def _labels(label: Label) -> list[int]:
@@ -82,9 +137,15 @@ def _labels(label: Label) -> list[int]:
         raise ValueError(f"label is {label!r}, but must be one or more whole numbers") from None
 
 
+def _in_words(labels: list[int] | None, level: float | None) -> str:
+    if labels is not None:
+        return ", ".join(map(str, labels))
+    return "all but 0" if level is None else f"above {level:g}"
+
+
 def _usable(values: ArrayLike) -> NDArray[Any]:
     """An array of three dimensions of a type that Rust knows: a view, unless its bytes are in another
-    order than the machine's, lie astride, or are floats of 16 bits."""
+    order than the machine's or lie astride, or it holds floats of 16 bits."""
     array = np.asarray(values)
     if array.ndim != 3:
         raise ValueError(

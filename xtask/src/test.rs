@@ -1,11 +1,12 @@
 //! `cargo xtask test`: every check, in the order of what fails fastest.
 
+use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
 use anyhow::{Result, anyhow};
 
-use crate::{bench_instructions, cargo, page, program, python, root, run as execute, shown};
+use crate::{bench_instructions, cargo, page, program, python, root, run as execute, shown, wheel};
 
 /// Runs all steps and stops at the first that fails.
 pub(crate) fn run() -> Result<()> {
@@ -31,12 +32,10 @@ pub(crate) fn run() -> Result<()> {
     }
     let interpreter =
         steps.step("Python environment", "python3 -m venv target/python", python::environment)?;
-    let mut judges = Command::new(interpreter);
-    judges
-        .args(["-B", "-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", "tests/python"])
-        .env("SHROUDS_BIN", program())
-        .current_dir(root());
-    steps.command("Python tests", judges)?;
+    steps.command("Python tests", pytest(&interpreter, "tests/python"))?;
+    let line = "pip wheel ./python; pip install target/wheels/*.whl";
+    steps.step("Python package", line, || wheel::install(&interpreter))?;
+    steps.command("tests of the Python package", pytest(&interpreter, "python/tests"))?;
     let counted = "cargo xtask bench --instructions";
     match bench_instructions::obstacle() {
         Some(obstacle) => println!("\n== instruction counts: skipped, {obstacle}"),
@@ -44,6 +43,16 @@ pub(crate) fn run() -> Result<()> {
     }
     println!("\n{} passed, 0 failed", steps.passed);
     Ok(())
+}
+
+/// The tests in a folder, with the release build of the program to compare with.
+fn pytest(interpreter: &Path, folder: &str) -> Command {
+    let mut command = Command::new(interpreter);
+    command
+        .args(["-B", "-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", folder])
+        .env("SHROUDS_BIN", program())
+        .current_dir(root());
+    command
 }
 
 struct Steps {

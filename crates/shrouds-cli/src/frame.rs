@@ -5,9 +5,6 @@ use shrouds_io::{Frame, MeshFormat, MeshOptions, Precision};
 
 use crate::args::FrameChoice;
 
-/// Rounding may move a vertex by this part of the smallest spacing: a twentieth of the distance that
-/// vertices keep from lattice points.
-const ROUNDING: f64 = 1e-4;
 /// Largest relative error of rounding to 32 bits.
 const SINGLE: f64 = 1.0 / (1 << 24) as f64;
 
@@ -77,16 +74,16 @@ pub(crate) fn mesh_options(
 ) -> (MeshOptions, Option<String>) {
     let coordinates = meshes.iter().flat_map(|mesh| mesh.vertices.iter().flatten());
     let largest = coordinates.fold(0.0, |max: f64, x| max.max(x.abs()));
-    let error = largest * SINGLE;
-    let coarse = error > ROUNDING * min_spacing;
+    let precision = Precision::needed(largest, min_spacing);
+    let coarse = precision == Precision::Double;
     let warning = (coarse && format == MeshFormat::Stl).then(|| {
+        let error = largest * SINGLE;
         format!(
             "STL has 32 bits a coordinate, which moves vertices by up to {error:.1e} {} this far from \
              the origin: voxels may change sides; write .ply or .obj instead, or --frame index",
             if frame.unit == "unknown" { "units" } else { &frame.unit }
         )
     });
-    let precision = if coarse { Precision::Double } else { Precision::Single };
     (MeshOptions { precision, frame: Some(frame) }, warning)
 }
 

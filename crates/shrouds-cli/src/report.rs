@@ -7,8 +7,7 @@ use shrouds::Choice;
 use shrouds::check::CheckReport;
 use shrouds::optimize::{self, Preset};
 pub(crate) use shrouds_report::{
-    Checks, FirstLast, Geometry, Lattice, RmsMax, Solver as SolverReport, Times, Topology,
-    peak_memory,
+    Checks, FirstLast, Geometry, Lattice, RmsMax, SolverReport, Times, Topology, peak_memory,
 };
 
 use crate::console::plural;

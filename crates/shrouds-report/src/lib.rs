@@ -10,6 +10,6 @@ mod report;
 mod vector;
 
 pub use report::{
-    Checks, FirstLast, FoundExpected, Geometry, Lattice, RmsMax, RoundReport, Solver, Times,
+    Checks, FirstLast, FoundExpected, Geometry, Lattice, RmsMax, RoundReport, SolverReport, Times,
     Topology, VolumeReport, peak_memory,
 };

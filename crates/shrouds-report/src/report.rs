@@ -37,7 +37,7 @@ pub struct Topology {
 
 /// How the optimisation went.
 #[derive(Debug, Clone, Serialize)]
-pub struct Solver {
+pub struct SolverReport {
     /// How it ended, in words.
     pub status: &'static str,
     /// Steps or sweeps over all rounds.
@@ -208,7 +208,7 @@ impl Topology {
     }
 }
 
-impl Solver {
+impl SolverReport {
     /// From the report of an optimisation.
     pub fn new(report: &optimize::Report) -> Self {
         let [first, last] = report.energy;

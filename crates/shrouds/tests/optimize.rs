@@ -13,7 +13,7 @@ use shrouds::energy::{
     Variation,
 };
 use shrouds::network::Network;
-use shrouds::optimize::{Preset, Report, Settings, Solver, Start, Status, optimize};
+use shrouds::optimize::{Preset, Report, Settings, Solver, Start, Status, VolumeRule, optimize};
 use shrouds::surface::Surface;
 use shrouds::volume::{Border, FaceRule, phantom};
 use shrouds::{Error, Grid, Occupancy};
@@ -258,6 +258,22 @@ fn a_start_is_where_it_says() {
     let mean = random.iter().sum::<f64>() / random.len() as f64;
     assert!((mean - 0.5).abs() < 4.0 / (12.0 * random.len() as f64).sqrt());
     assert_ne!(random, started(Start::Random(4)));
+}
+
+#[test]
+fn without_steps_the_energy_is_that_of_the_start() {
+    let volume = phantom::linked_tori(24).unwrap();
+    for (solver, preset) in [
+        (Solver::Sweeps, Preset::Exact),
+        (Solver::Newton, Preset::Fast),
+        (Solver::Newton, Preset::Exact),
+    ] {
+        let (energy, max_iterations) = (Some(Bending.into()), Some(0));
+        let settings = Settings { energy, solver, preset, max_iterations, ..Settings::default() };
+        let (_, report) = run(&volume, &settings);
+        assert_eq!((report.status, report.iterations), (Status::IterationLimit, 0));
+        assert!(report.energy[0] > 0.0 && report.energy[0] == report.energy[1], "{report:?}");
+    }
 }
 
 #[test]

@@ -22,7 +22,7 @@ const DISPLACEMENT: &str = "displacement";
 /// Colours that describe a scale; between them it is nearly linear.
 const STOPS: usize = 33;
 /// Farthest that lattice points are shown from the surface, in voxels.
-const FARTHEST: u8 = 8;
+const FARTHEST: u8 = 4;
 /// With more values than this an image is shown in greys.
 const FEW: usize = 64;
 
@@ -151,40 +151,57 @@ fn numbers(surface: &Surface, field: &str) -> Result<Numbers, Failure> {
 
 /// The lattice points of a volume that are so near to its surface, by steps along the axes.
 fn near_surface(volume: &Occupancy, near: u8) -> Result<Vec<([f32; 3], bool)>, Failure> {
-    let dims = volume.grid().dims();
-    let mut marked = Occupancy::empty(volume.grid().clone());
-    let ends = surface::Surface::extract(volume, FaceRule::default(), Border::Closed)?;
-    let mut rim: Vec<[usize; 3]> = Vec::new();
-    let mark = |marked: &mut Occupancy, rim: &mut Vec<[usize; 3]>, point: [usize; 3]| {
-        if (0..3).all(|d| point[d] < dims[d]) && !marked.get(point) {
-            marked.set(point, true);
-            rim.push(point);
-        }
-    };
-    // The surface counts from a layer before the first; what lies there wraps around and is left out.
-    let own = |point: [usize; 3]| point.map(|index| index.wrapping_sub(1));
-    for crossing in ends.crossings() {
+    let mut near_points = Marked::on(volume);
+    let surface = surface::Surface::extract(volume, FaceRule::default(), Border::Closed)?;
+    for crossing in surface.crossings() {
         for end in [crossing.inside(), crossing.outside()] {
-            mark(&mut marked, &mut rim, own(end));
+            // The surface counts from a layer before the first; what lies there is none of ours.
+            near_points.mark(end.map(|index| index.wrapping_sub(1)));
         }
     }
+    let mut done = 0;
     for _ in 1..near {
-        for point in std::mem::take(&mut rim) {
-            for axis in 0..3 {
-                for step in [1, usize::MAX] {
-                    let mut next = point;
-                    next[axis] = next[axis].wrapping_add(step);
-                    mark(&mut marked, &mut rim, next);
-                }
-            }
+        let rim = done..near_points.points.len();
+        done = rim.end;
+        for n in rim {
+            near_points.mark_neighbours(near_points.points[n]);
         }
     }
     let spacing = volume.grid().spacing();
     let place = |point: [usize; 3]| std::array::from_fn(|d| (point[d] as f64 * spacing[d]) as f32);
-    let [nx, ny, nz] = dims;
-    let rows = (0..nz).flat_map(|k| (0..ny).map(move |j| (j, k)));
-    let all = rows.flat_map(|(j, k)| (0..nx).map(move |i| [i, j, k]));
-    Ok(all.filter(|&point| marked.get(point)).map(|p| (place(p), volume.get(p))).collect())
+    Ok(near_points.points.iter().map(|&point| (place(point), volume.get(point))).collect())
+}
+
+/// Lattice points, each once, in the order in which they were found.
+struct Marked {
+    points: Vec<[usize; 3]>,
+    known: Occupancy,
+}
+
+impl Marked {
+    /// None of a volume's points so far.
+    fn on(volume: &Occupancy) -> Self {
+        Self { points: Vec::new(), known: Occupancy::empty(volume.grid().clone()) }
+    }
+
+    /// Takes a point, unless it is outside the lattice.
+    fn mark(&mut self, point: [usize; 3]) {
+        let dims = self.known.grid().dims();
+        if (0..3).all(|d| point[d] < dims[d]) && !self.known.get(point) {
+            self.known.set(point, true);
+            self.points.push(point);
+        }
+    }
+
+    fn mark_neighbours(&mut self, point: [usize; 3]) {
+        for axis in 0..3 {
+            for step in [1, usize::MAX] {
+                let mut next = point;
+                next[axis] = next[axis].wrapping_add(step);
+                self.mark(next);
+            }
+        }
+    }
 }
 
 /// A lattice plane of a volume as an image.

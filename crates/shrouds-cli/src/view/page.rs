@@ -55,14 +55,14 @@ impl Page {
         self.out.frame_at_once(frame)
     }
 
-    /// That a request was done, from where nothing may wait. A page that does not listen misses it.
+    /// That a request was done, from where nothing may wait.
     pub(super) fn agree_at_once(&self, id: u64) {
-        let _ = self.out.text_at_once(json!({ "id": id, "ok": {} }).to_string());
+        self.out.answer(json!({ "id": id, "ok": {} }).to_string());
     }
 
     /// That a request was not done, from where nothing may wait.
     pub(super) fn refuse_at_once(&self, id: Option<u64>, message: &str) {
-        let _ = self.out.text_at_once(refusal(id, message));
+        self.out.answer(refusal(id, message));
     }
 }
 

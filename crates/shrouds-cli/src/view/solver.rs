@@ -69,7 +69,10 @@ impl Solver {
     fn fail(&self, why: &str) -> Result<(), Closed> {
         let view = self.surface.view.number();
         self.page.event("message", json!({ "level": "error", "text": why, "view": view }))?;
-        self.page.event("solver", json!({ "view": view, "state": "cancelled", "status": "failed" }))
+        let state = json!({ "view": view, "state": "cancelled", "status": "failed" });
+        self.page.event("solver", state)?;
+        let revision = self.surface.revision;
+        self.page.event("settled", json!({ "view": view, "revision": revision }))
     }
 }
 

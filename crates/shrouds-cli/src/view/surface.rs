@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use serde_json::{Value, json};
 use shrouds::mesh::{MeshKind, Triangles};
-use shrouds::network::Network;
+use shrouds::network::{Curve, Network};
 use shrouds::optimize::{Start, VolumeRule};
 use shrouds::surface::Crossing;
 use shrouds::{Settings, Shroud, TriMesh, shroud_observed};
@@ -108,6 +108,8 @@ impl Surface {
             "revision": self.revision,
             "vertices": surface.vertex_count(),
             "triangles": mesh.triangles.len(),
+            // Every vertex begins one on each of its curves, unless it ends there.
+            "segments": self.network.curves().map(|curve| segments(&curve)).sum::<usize>(),
             "components": surface.components().count(),
             "energy": self.start.report.energy[0],
             "keeps": self.job.energy(),
@@ -246,6 +248,14 @@ impl Surface {
                 "the report is that of a finished surface; let it run to its end first".into(),
             )),
         }
+    }
+}
+
+/// How many segments a curve has.
+fn segments(curve: &Curve) -> usize {
+    match curve.vertices.len() {
+        0 | 1 => 0,
+        count => count - usize::from(!curve.closed),
     }
 }
 

@@ -3,6 +3,7 @@
 
 use clap::{Arg, Args, Command, CommandFactory, FromArgMatches, Parser};
 use serde_json::{Map, Value, json};
+use shrouds::optimize::Start;
 
 use super::request::Settings;
 use crate::args::{FrameChoice, ShroudArgs, VolumeArgs};
@@ -90,7 +91,14 @@ pub(super) fn choices() -> Value {
     let command: Command = Making::command();
     let named = command.get_arguments().filter_map(|arg| Some((arg.get_long()?.to_owned(), arg)));
     let entries = named.enumerate().map(|(order, (name, arg))| (name, choice(order, arg)));
-    Value::Object(entries.collect::<Map<String, Value>>())
+    let mut choices: Map<String, Value> = entries.collect();
+    // Not a choice on the command line, where a seed can follow.
+    if let Some(start) = choices.get_mut("start") {
+        let known = [Start::Blur, Start::Midpoint, Start::Inside, Start::Outside, Start::Random(1)];
+        start["values"] =
+            known.map(|start| json!({ "value": start.to_string() })).into_iter().collect();
+    }
+    choices.into()
 }
 
 fn choice(order: usize, arg: &Arg) -> Value {

@@ -199,8 +199,6 @@ impl Worker {
     }
 
     fn open(&mut self, id: u64, slot: Slot, source: Origin) -> Result<(), Ended> {
-        // What was there makes room first.
-        self.slots[slot.index()] = None;
         let data = Data::open(source, &self.files, &self.page)?;
         self.put(id, slot, data)
     }

@@ -83,6 +83,18 @@ pub enum Precision {
 }
 
 impl Precision {
+    /// Rounding may move a vertex by this part of the smallest spacing: a twentieth of the distance
+    /// that vertices keep from lattice points.
+    const ROUNDING: f64 = 1e-4;
+
+    /// The least that keeps every voxel on its side, where no coordinate is larger than `largest` and
+    /// voxels are at least `spacing` apart: single, unless it would move a vertex by more than a
+    /// ten-thousandth of the spacing.
+    pub fn needed(largest: f64, spacing: f64) -> Self {
+        let error = largest * f64::from(f32::EPSILON) / 2.0;
+        if error > Self::ROUNDING * spacing { Self::Double } else { Self::Single }
+    }
+
     /// The largest coordinate it holds.
     fn largest(self) -> f64 {
         match self {

@@ -5,6 +5,7 @@
 mod columns;
 mod parts;
 
+use serde::Serialize;
 use shrouds::check::{Structure, structure};
 use shrouds::measure::{
     Curvature, Integrals, SignAreas, SurfaceDistances, curvature_areas, curvatures, flat_threshold,
@@ -41,8 +42,10 @@ pub struct Body<'a> {
 }
 
 /// All columns of a body, and what is to be said about it.
+#[derive(Debug, Clone, Serialize)]
 pub struct Measured {
     /// The columns.
+    #[serde(flatten)]
     pub entries: Entries,
     /// What is to be said, a sentence each.
     pub notes: Vec<String>,

@@ -1,5 +1,7 @@
 //! The sockets of pages: text in, text and frames out.
 
+use std::pin::pin;
+
 use axum::extract::State;
 use axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade, close_code};
 use axum::response::Response;
@@ -23,10 +25,11 @@ pub(super) async fn open(State(shared): State<Shared>, upgrade: WebSocketUpgrade
 /// Hands messages over in both directions until the page goes or breaks the rules.
 async fn converse(socket: WebSocket, shared: &Shared) {
     let (mut to_page, mut from_page) = socket.split();
-    let (out, mut messages) = Outbox::new();
+    let (out, messages) = Outbox::new();
     let session = shared.host.open(out.clone(), shared.files.clone());
     let writer = tokio::spawn(async move {
-        while let Some(message) = messages.recv().await {
+        let mut messages = pin!(messages);
+        while let Some(message) = messages.next().await {
             if to_page.send(message).await.is_err() {
                 break;
             }

@@ -21,9 +21,10 @@ pub(super) fn solve(
 ) -> (Vec<Round>, Stationarity) {
     const REFRESHED_SWEEPS: usize = 3;
     let tolerance = settings.tolerance();
-    let mut rounds: Vec<Round> = Vec::new();
+    problem.freeze(x);
+    let mut rounds = vec![Round::new(problem.value(x))];
     for sweep in 0..settings.max_iterations() {
-        if sweep == 0 || (sweep < REFRESHED_SWEEPS && problem.needs_freezing()) {
+        if (1..REFRESHED_SWEEPS).contains(&sweep) && problem.needs_freezing() {
             problem.freeze(x);
             rounds.push(Round::new(problem.value(x)));
         }

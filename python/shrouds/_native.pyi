@@ -1,0 +1,117 @@
+"""The Rust code below the package. Use what the package offers instead."""
+
+from collections.abc import Callable
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = [
+    "Made",
+    "Mesh",
+    "Volume",
+    "__version__",
+    "lattice_for",
+    "read_volume",
+    "setting_names",
+    "shroud",
+]
+__version__: str
+
+_Affine = tuple[tuple[float, float, float, float], ...]
+_Curves = tuple[NDArray[np.uint32], NDArray[np.int64], NDArray[np.bool_]]
+
+@final
+class Volume:
+    def __new__(
+        cls,
+        values: NDArray[Any],
+        affine: _Affine,
+        labels: list[int] | None,
+        threshold: float | None,
+        threads: int | None,
+    ) -> Volume: ...
+    @property
+    def affine(self) -> list[list[float]]: ...
+    @property
+    def min_spacing(self) -> float: ...
+    def count(self) -> int: ...
+    def to_array(self) -> NDArray[np.bool_]: ...
+    def combine(self, operation: str, other: Volume) -> Volume: ...
+    def offset(
+        self, by: float, border: str, keep_lattice: bool, threads: int | None
+    ) -> Volume: ...
+    def pack(
+        self,
+        profile: str,
+        faces: str,
+        border: str,
+        frame: str,
+        unit: str,
+        threads: int | None,
+    ) -> bytes: ...
+    @staticmethod
+    def unpack(bytes: bytes, threads: int | None) -> tuple[Volume, str, str]: ...
+    @staticmethod
+    def voxelize(
+        mesh: Mesh,
+        affine: _Affine,
+        dims: tuple[int, int, int],
+        winding: str,
+        threads: int | None,
+    ) -> tuple[Volume, list[str]]: ...
+
+@final
+class Mesh:
+    def __new__(
+        cls,
+        vertices: NDArray[np.float64],
+        faces: NDArray[np.uint32],
+        normals: NDArray[np.float32] | None,
+    ) -> Mesh: ...
+    @staticmethod
+    def read(path: str) -> Mesh: ...
+    def arrays(
+        self,
+    ) -> tuple[NDArray[np.float64], NDArray[np.uint32], NDArray[np.float32] | None]: ...
+    def write(
+        self,
+        path: str,
+        attributes: dict[str, NDArray[np.float32]],
+        frame: str,
+        unit: str,
+        spacing: float,
+    ) -> None: ...
+    def measure(self, threads: int | None) -> str: ...
+    def roughness(self) -> float: ...
+    def check(
+        self,
+        volume: Volume,
+        border: str,
+        faces: str,
+        all_axes: bool,
+        self_intersections: bool,
+        threads: int | None,
+    ) -> str: ...
+
+@final
+class Made:
+    def report(self, mesh: Mesh, said: dict[str, Any], threads: int | None) -> str: ...
+    def measure(self, mesh: Mesh, threads: int | None) -> str: ...
+    def network(self) -> list[_Curves]: ...
+
+def shroud(
+    volume: Volume,
+    given: list[tuple[str, str]],
+    threads: int | None,
+    progress: Callable[..., Any] | None,
+) -> tuple[
+    NDArray[np.floating[Any]], NDArray[np.uint32], NDArray[np.float32], NDArray[np.float64], Made
+]: ...
+def setting_names() -> list[str]: ...
+def lattice_for(
+    mesh: Mesh, spacing: list[float] | None, size: int, margin: int
+) -> tuple[_Affine, tuple[int, int, int]]: ...
+def read_volume(
+    path: str, axes: str, frame: int | None, array: str | None, level: int
+) -> tuple[NDArray[Any], _Affine, str, str, list[str]]: ...
