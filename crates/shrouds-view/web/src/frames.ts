@@ -167,21 +167,24 @@ function byFamily(pairs: Uint32Array, family: Uint8Array): Topology["families"] 
   }
   const sorted = sizes.map((size) => new Uint32Array(size)) as Topology["families"];
   const filled = [0, 0, 0];
-  family.forEach((axis, segment) => {
-    const at = filled[axis] ?? 0;
-    sorted[axis]?.set(pairs.subarray(2 * segment, 2 * segment + 2), at);
+  for (let segment = 0; segment < family.length; segment++) {
+    const axis = family[segment]!;
+    const at = filled[axis]!;
+    sorted[axis]![at] = pairs[2 * segment]!;
+    sorted[axis]![at + 1] = pairs[2 * segment + 1]!;
     filled[axis] = at + 2;
-  });
+  }
   return sorted;
 }
 
 function marked(reader: Reader, count: number): Pick<Points, "points" | "inside"> {
-  reader.expect(16 * count);
+  const places = reader.floats(4 * count);
+  const sides = new Uint32Array(places.buffer, places.byteOffset, places.length);
   const points = new Float32Array(3 * count);
   const inside = new Float32Array(count);
   for (let i = 0; i < count; i++) {
-    points.set(reader.floats(3), 3 * i);
-    inside[i] = reader.number() ? 1 : 0;
+    for (let axis = 0; axis < 3; axis++) points[3 * i + axis] = places[4 * i + axis]!;
+    inside[i] = sides[4 * i + 3] ? 1 : 0;
   }
   return { points, inside };
 }

@@ -12,6 +12,8 @@ export function pointer(canvas: HTMLCanvasElement, session: Session, stage: Stag
   const { store } = session;
   let down: [number, number] | undefined;
   let painting = false;
+  // One dab for each place where the pointer was, however long it stays there.
+  let due = false;
   let at: [number, number] = [0, 0];
   const place = (event: PointerEvent): [number, number] => {
     const { left, top } = canvas.getBoundingClientRect();
@@ -21,17 +23,20 @@ export function pointer(canvas: HTMLCanvasElement, session: Session, stage: Stag
     await new Promise(requestAnimationFrame);
     const hit = store.state.brush ? stage.hit(...at) : undefined;
     stage.setBrush(hit?.place, store.state.brushRadius, store.state.brushAdds);
-    if (hit && painting) await dab(session, hit);
+    const wanted = due;
+    due = false;
+    if (hit && wanted) await dab(session, hit);
   });
   canvas.addEventListener("pointerdown", (event) => {
     at = down = place(event);
     const active = stage.paneAt(...at);
     if (active >= 0) store.set({ active });
-    painting = store.state.brush && event.button === 0;
+    painting = due = store.state.brush && event.button === 0;
     if (painting) void hover();
   });
   canvas.addEventListener("pointermove", (event) => {
     at = place(event);
+    due ||= painting;
     if (store.state.brush && (painting || event.buttons === 0)) void hover();
   });
   canvas.addEventListener("pointerup", (event) => {

@@ -27,6 +27,8 @@ export interface View {
   numbers?: Numbers | undefined;
   /** Nothing more comes of this surface until it is asked for. */
   settled: boolean;
+  /** Goes back to the start: what the solver still says is not of interest. */
+  resetting: boolean;
 }
 
 /** What has changed. */
@@ -243,7 +245,10 @@ export class Session {
     if (what === "run" || what === "step") Object.assign(model, { settled: false, problem: "" });
     const anew = what === "reset" || (what !== "pause" && ["done", "cancelled"].includes(model.state));
     if (anew && what !== "cancel") Object.assign(model, { history: startOf(model.surface), iteration: 0 });
-    if (what === "reset") Object.assign(model, { state: "paused", status: "", numbers: undefined });
+    if (what === "reset") {
+      const start = { state: "paused", status: "", numbers: undefined, settled: false, resetting: true };
+      Object.assign(model, start);
+    }
     this.tell("solver");
     this.tell("started");
     await this.attempt(() => this.request(what, { view }));
@@ -289,7 +294,7 @@ export class Session {
 
   private solver(event: SolverEvent): void {
     const model = this.views[event.view];
-    if (!model) return;
+    if (!model || model.resetting || model.state === "waiting") return;
     const { iteration, energy, gradient, largest_move: move, change } = event;
     Object.assign(model, {
       state: event.state,
@@ -306,7 +311,7 @@ export class Session {
   private async settle(view: number): Promise<void> {
     const model = this.views[view];
     if (!model) return;
-    model.settled = true;
+    Object.assign(model, { settled: true, resetting: false });
     this.tell("solver");
     this.tell("settled");
     await this.measure(view, false);
@@ -347,5 +352,6 @@ function emptyView(index: number): View {
     problem: "",
     numbers: undefined,
     settled: false,
+    resetting: false,
   };
 }

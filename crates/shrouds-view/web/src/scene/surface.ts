@@ -168,6 +168,7 @@ export class SurfaceModel {
 
   dispose(): void {
     this.group.removeFromParent();
+    (this.uniforms.colours!.value as Texture | null)?.dispose();
     this.geometry.dispose();
     this.painter.dispose();
     this.picker.dispose();
