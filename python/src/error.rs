@@ -36,6 +36,7 @@ pub(crate) fn of_file(error: shrouds_io::Error) -> PyErr {
         | Error::Layout { .. }
         | Error::Values { .. }
         | Error::Unwritable { .. } => PyValueError::new_err(message),
+        Error::Chunks { .. } => PyValueError::new_err(message),
         Error::Io { cause, .. } => match cause.kind() {
             io::ErrorKind::NotFound => PyFileNotFoundError::new_err(message),
             io::ErrorKind::PermissionDenied => PyPermissionError::new_err(message),

@@ -6,8 +6,10 @@
 //! interrupted (`work`), and maps errors (`error`). `shrouds/_native.pyi` describes what it exports.
 
 mod array;
+mod chunk;
 mod error;
 mod mesh;
+mod pool;
 mod report;
 mod shroud;
 mod volume;
@@ -21,6 +23,8 @@ use serde::Serialize;
 mod _native {
     use pyo3::prelude::*;
 
+    #[pymodule_export]
+    use crate::chunk::ChunkRun;
     #[pymodule_export]
     use crate::mesh::Mesh;
     #[pymodule_export]

@@ -16,7 +16,8 @@ use shrouds_io::{Axes, VolumeOptions};
 use crate::array::{occupancy, of_values, to_array};
 use crate::error;
 use crate::mesh::Mesh;
-use crate::work::{pool, run_quietly};
+use crate::pool::pool;
+use crate::work::run_quietly;
 
 /// The lattice points that are inside: a bit each, x fastest, with the lattice.
 #[pyclass(frozen, module = "shrouds._native")]
@@ -48,7 +49,7 @@ impl Volume {
             (None, Some(threshold)) => Select::Above(threshold),
             (None, None) => Select::NonZero,
         };
-        Ok(occupancy(values, affine, &select, &pool(threads)?)?.into())
+        Ok(occupancy(values, affine, &select, &*pool(threads)?)?.into())
     }
 
     /// Number of inside points.

@@ -1,24 +1,22 @@
 //! Long work beside the interpreter: its lock released, Ctrl-C heard, progress told.
 //!
-//! The work runs on a thread of its own, in a pool of its own; the calling thread waits, looks for
-//! signals twenty times a second and calls Python's callback. When it has to leave, because of Ctrl-C or
-//! an exception in the callback, it leaves at once; the work notices when it next tells its progress,
-//! and ends. A pool for each call costs less than a millisecond, and a process that forks (as those
-//! of `multiprocessing` may) never inherits one without threads.
+//! The work runs on a thread of its own; the calling thread waits, looks for signals twenty times a
+//! second and calls Python's callback. When it has to leave, because of Ctrl-C or an exception in the
+//! callback, it leaves at once; the work notices when it next tells its progress, and ends.
 
 use std::ops::ControlFlow;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::thread;
 use std::time::Duration;
 
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuilder};
 use shrouds::optimize::Progress;
+
+use crate::pool::pool;
 
 /// How long Ctrl-C may go unheard.
 const PATIENCE: Duration = Duration::from_millis(50);
-const MOST_THREADS: usize = 1024;
 
 /// Iteration, energy, change, tolerance, and the share that is done, if known: what the callback gets.
 type Moment = (usize, f64, f64, f64, Option<f64>);
@@ -46,16 +44,6 @@ impl<T> Teller<T> {
             Err(_) => ControlFlow::Break(()),
         }
     }
-}
-
-/// As many threads as are wanted, or as the machine has.
-pub(crate) fn pool(threads: Option<usize>) -> PyResult<ThreadPool> {
-    if threads.is_some_and(|threads| !(1..=MOST_THREADS).contains(&threads)) {
-        let message = format!("threads must be between 1 and {MOST_THREADS}, or None for all");
-        return Err(PyValueError::new_err(message));
-    }
-    let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
-    pool.map_err(|error| PyRuntimeError::new_err(format!("no threads to work on: {error}")))
 }
 
 /// Runs `work` as the module says. `progress` is called with every [`Moment`] that the work tells; where it

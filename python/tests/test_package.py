@@ -25,10 +25,10 @@ def test_there_are_examples_for_every_function():
         assert ">>>" in getattr(shrouds, name).__doc__
 
 
-def mypy(tool, what, option, folder):
+def mypy(tool, option, folder, *what):
     pytest.importorskip("mypy")
     settings = f"--{option}={HERE.parent / 'pyproject.toml'}"
-    call = [sys.executable, "-m", tool, settings, what]
+    call = [sys.executable, "-m", tool, settings, *what]
     environment = {**os.environ, "MYPY_CACHE_DIR": str(folder)}
     return subprocess.run(
         call, capture_output=True, text=True, check=False, cwd=folder, env=environment
@@ -36,12 +36,12 @@ def mypy(tool, what, option, folder):
 
 
 def test_stubs_say_what_is_there(tmp_path):
-    done = mypy("mypy.stubtest", "shrouds._native", "mypy-config-file", tmp_path)
+    done = mypy("mypy.stubtest", "mypy-config-file", tmp_path, "shrouds._native")
     assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_types_hold(tmp_path):
-    done = mypy("mypy", str(Path(shrouds.__file__).parent), "config-file", tmp_path)
+    done = mypy("mypy", "config-file", tmp_path, "-p", "shrouds")
     assert done.returncode == 0, done.stdout + done.stderr
 
 

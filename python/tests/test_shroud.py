@@ -3,6 +3,8 @@
 import _thread
 import inspect
 import json
+import multiprocessing
+import os
 import pickle
 import threading
 
@@ -237,3 +239,15 @@ def test_files_that_cannot_be(body, tmp_path):
     dual = shrouds.shroud(body, surface="dual")
     with pytest.raises(ValueError, match="primal"):
         dual.save(tmp_path / "dual.ply", attributes=["delta"])
+
+
+def fork_and_shroud(mask):
+    return len(shrouds.shroud(mask).vertices)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there are no forks")
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+def test_processes_that_fork_have_threads_of_their_own(body):
+    expected = fork_and_shroud(body)
+    with multiprocessing.get_context("fork").Pool(2) as pool:
+        assert pool.map_async(fork_and_shroud, [body, body]).get(120) == [expected] * 2

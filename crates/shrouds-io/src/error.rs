@@ -118,6 +118,20 @@ pub enum Error {
         /// What is wrong with it.
         problem: String,
     },
+    /// A file with what was found for a chunk of a surface is damaged.
+    #[error("{}: damaged; remove it and call again", .path.display())]
+    Artefact {
+        /// The file.
+        path: PathBuf,
+    },
+    /// What was found for chunks of a surface does not go together.
+    #[error("{}: {cause}", .path.display())]
+    Chunks {
+        /// The folder.
+        path: PathBuf,
+        /// What is wrong.
+        cause: shrouds::Error,
+    },
     /// The dimensions or the frame of the file make no lattice.
     #[error("{}: {cause}", .path.display())]
     Lattice {

@@ -21,6 +21,7 @@
 //! ```
 
 mod atomic;
+mod chunks;
 mod error;
 mod mesh;
 mod pick;
@@ -30,6 +31,7 @@ mod volume;
 mod xml;
 
 pub use atomic::write_atomically;
+pub use chunks::{ChunkRun, Totals};
 pub use error::Error;
 pub use mesh::{
     Attribute, Line, MeshFormat, MeshOptions, Part, Precision, mesh_format, read_mesh, write_lines,
@@ -38,6 +40,6 @@ pub use mesh::{
 pub use stream::Progress;
 pub use volume::{
     Axes, Contents, ElementType, Frame, RawLayout, Segment, Selected, Values, Volume, VolumeFormat,
-    VolumeOptions, read_contents, read_occupancy, read_volume, volume_files, volume_format,
-    write_labels, write_npy, write_volume, written_format, written_label_format,
+    VolumeOptions, read_contents, read_layers, read_occupancy, read_volume, volume_files,
+    volume_format, write_labels, write_npy, write_volume, written_format, written_label_format,
 };

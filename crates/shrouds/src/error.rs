@@ -51,6 +51,12 @@ pub enum Error {
         /// What is allowed.
         range: &'static str,
     },
+    /// What was found for a chunk of a volume does not fit its voxels.
+    #[error("what was found for chunk {chunk:?} is not that of its voxels: make it again")]
+    Chunk {
+        /// Its index along x, y, z.
+        chunk: [usize; 3],
+    },
     /// A setting has no such value.
     #[error("{setting} is {value:?}, but must be {known}")]
     Choice {

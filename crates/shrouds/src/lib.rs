@@ -39,6 +39,7 @@ pub mod check;
 pub mod voxelize;
 mod settings;
 mod pipeline;
+pub mod chunks;
 pub mod contact;
 pub mod polygon;
 pub mod containment;

@@ -57,6 +57,8 @@ const ARROWS: &[(&str, &[&str])] = &[
             "vector",
         ],
     ),
+    // The story once more, for volumes that no memory holds.
+    ("chunks", &["grid", "volume", "surface", "optimize", "mesh", "error"]),
     ("settings", &["volume", "energy", "optimize", "mesh", "choice", "error"]),
     // Of two bodies that touch: shrouds of their own, measured.
     (

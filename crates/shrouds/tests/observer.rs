@@ -58,7 +58,7 @@ fn the_observer_sees_every_step_and_changes_nothing() {
 
 #[test]
 fn a_surface_of_many_tiles_is_seen_too() {
-    let surface = surface_of(&phantom::gyroid(80).unwrap());
+    let surface = surface_of(&phantom::gyroid(130).unwrap());
     assert!(surface.vertex_count() > 100_000);
     for preset in [Preset::Fast, Preset::Default] {
         let (watched, seen) = watch(&surface, &Settings { preset, ..Settings::default() });

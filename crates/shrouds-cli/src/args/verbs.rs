@@ -34,7 +34,10 @@ Every label a mesh of its own, in a folder, and all of them in one file for a vi
   shrouds mesh organs.nii.gz --labels all -o organs.glb
 
 The same as near to the minimum as it gets, or else exit code 3:
-  shrouds mesh organs.nii.gz --label 6 -o liver.ply --strict";
+  shrouds mesh organs.nii.gz --label 6 -o liver.ply --strict
+
+A volume larger than memory, cube by cube; the same call goes on where one that was broken off stopped:
+  shrouds mesh neurons.zarr --label 17 --chunk 256 -o neuron.ply";
 
 pub(crate) const CHECK_HELP: &str = "\
 Exit code 0 means certified, 1 that something is wrong.
@@ -123,6 +126,12 @@ pub(crate) struct MeshArgs {
     /// A mask on the same lattice, all but 0: at its voxels the surface need not be smooth
     #[arg(long, value_name = "VOLUME", conflicts_with = "each")]
     pub(crate) rough: Option<PathBuf>,
+    /// Work on cubes of so many voxels one after another, for volumes that do not fit into memory: to one
+    /// .ply, or to a folder with a .ply of each cube. The surface is the same. The same call continues
+    /// one that was broken off
+    #[arg(long, value_name = "VOXELS",
+        conflicts_with_all = ["each", "attributes", "rough", "picture", "certificate"])]
+    pub(crate) chunk: Option<usize>,
     /// Also write the report (JSON)
     #[arg(long, value_name = "FILE")]
     pub(crate) report: Option<PathBuf>,

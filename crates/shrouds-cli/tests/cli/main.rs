@@ -8,6 +8,7 @@ mod common;
 mod bad_calls;
 mod bad_input;
 mod certificate;
+mod chunked;
 mod check;
 mod compare;
 mod contain;

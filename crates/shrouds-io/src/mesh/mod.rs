@@ -4,7 +4,7 @@ mod glb;
 mod lines;
 mod obj;
 mod part;
-mod ply;
+pub(crate) mod ply;
 mod ply_read;
 mod records;
 mod stl;

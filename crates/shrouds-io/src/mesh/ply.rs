@@ -2,6 +2,8 @@
 
 use std::io::{self, Write};
 
+use shrouds::TriMesh;
+
 use crate::mesh::part::{Part, Parts};
 use crate::mesh::records::{put, write_fixed, write_records};
 use crate::mesh::{MeshOptions, Precision};
@@ -93,33 +95,69 @@ impl<'a> Ply<'a> {
     }
 
     fn header(&self) -> String {
-        let float = match self.options.precision {
-            Precision::Single => "float",
-            Precision::Double => "double",
-        };
-        let numbers: &[&str] =
-            if self.with_normals { &["x", "y", "z", "nx", "ny", "nz"] } else { &["x", "y", "z"] };
         let label = self.labels.first().map(|label| match label {
             Label::Int(_) => ("int", "label"),
             Label::Double(_) => ("double", "label"),
         });
-        let numbers = numbers.iter().map(|name| (float, *name));
         let attributes = self.parts.attribute_names().map(|name| ("float", name));
-        let properties: String = numbers
-            .chain(attributes)
-            .chain(label)
-            .map(|(kind, name)| format!("property {kind} {name}\n"))
-            .collect();
-        let vertices = self.parts.vertex_count();
-        // Everybody reads int; uint only where it must be.
-        let index = if vertices > i32::MAX as usize { "uint" } else { "int" };
-        format!(
-            "ply\nformat binary_little_endian 1.0\ncomment {}\nelement vertex {vertices}\n\
-             {properties}element face {}\nproperty list uchar {index} vertex_indices\nend_header\n",
-            self.options.comment(),
-            self.parts.triangle_count()
-        )
+        let more: Vec<_> = attributes.chain(label).collect();
+        let counts = [self.parts.vertex_count(), self.parts.triangle_count()];
+        header(counts.map(|count| count as u64), self.with_normals, &more, self.options)
     }
+}
+
+/// The header of a file with so many vertices and triangles, and further properties of the vertices
+/// with their types.
+fn header(
+    [vertices, triangles]: [u64; 2],
+    with_normals: bool,
+    more: &[(&str, &str)],
+    options: &MeshOptions,
+) -> String {
+    let float = match options.precision {
+        Precision::Single => "float",
+        Precision::Double => "double",
+    };
+    let numbers: &[&str] =
+        if with_normals { &["x", "y", "z", "nx", "ny", "nz"] } else { &["x", "y", "z"] };
+    let numbers = numbers.iter().map(|name| (float, *name));
+    let properties: String = numbers
+        .chain(more.iter().copied())
+        .map(|(kind, name)| format!("property {kind} {name}\n"))
+        .collect();
+    // Everybody reads int; uint only where it must be.
+    let index = if vertices > i32::MAX as u64 { "uint" } else { "int" };
+    format!(
+        "ply\nformat binary_little_endian 1.0\ncomment {}\nelement vertex {vertices}\n\
+         {properties}element face {triangles}\nproperty list uchar {index} vertex_indices\nend_header\n",
+        options.comment(),
+    )
+}
+
+/// What a file begins with whose vertices with their normals, and whose triangles, are written elsewhere.
+pub(crate) fn header_of_parts(counts: [u64; 2], options: &MeshOptions) -> String {
+    header(counts, true, &[], options)
+}
+
+/// The bytes of the first `count` vertices of a mesh with normals.
+pub(crate) fn vertex_bytes(mesh: &TriMesh, count: usize, options: &MeshOptions) -> Vec<u8> {
+    let numbers = mesh.vertices.iter().zip(&mesh.normals).take(count);
+    let numbers =
+        numbers.flat_map(|(place, normal)| place.iter().copied().chain(normal.map(f64::from)));
+    match options.precision {
+        Precision::Single => numbers.flat_map(|x| (x as f32).to_le_bytes()).collect(),
+        Precision::Double => numbers.flat_map(f64::to_le_bytes).collect(),
+    }
+}
+
+/// The bytes of triangles.
+pub(crate) fn face_bytes(triangles: impl Iterator<Item = [u32; 3]>) -> Vec<u8> {
+    let record = |triangle: [u32; 3]| {
+        let mut record = [3; 13];
+        put(&mut record[1..], triangle.map(u32::to_le_bytes).as_flattened());
+        record
+    };
+    triangles.flat_map(record).collect()
 }
 
 impl Label {

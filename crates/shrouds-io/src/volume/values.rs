@@ -1,13 +1,14 @@
 //! The values of a volume, in the type the file stores them in.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use shrouds::surface::Surface;
 use shrouds::volume::{Filler, Voxel};
 use shrouds::{Grid, Occupancy, Select};
 
 /// Labels counted in a table: those of every 8-bit and 16-bit type.
-const TABLE: std::ops::Range<i128> = -(1 << 15)..1 << 16;
+const TABLE: Range<i128> = -(1 << 15)..1 << 16;
 /// Most distinct labels that are listed.
 const MAX_LABELS: usize = 1 << 16;
 /// Edge of the squares in which axes are swapped: a row fills at least half a cache line, and a
@@ -173,6 +174,11 @@ impl Values {
     /// Hands the values to `filler`.
     pub(super) fn push_to(&self, filler: &mut Filler) {
         with_values!(self, v => filler.push_rows(v));
+    }
+
+    /// Hands some of the values to a filler; they must be whole rows.
+    pub(super) fn push_some_to(&self, filler: &mut Filler, range: Range<usize>) {
+        with_values!(self, v => filler.push_rows(&v[range]));
     }
 
     /// `slope · value + shift` for every value.

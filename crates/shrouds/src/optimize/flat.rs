@@ -11,6 +11,7 @@
 
 use crate::parallel;
 use crate::surface::{Crossing, Surface};
+use crate::volume::Occupancy;
 
 /// A terrace this many times as long as the next one begins to count as a face, and does in full.
 const SMOOTH: f32 = 6.0;
@@ -21,14 +22,27 @@ const DEEP: f32 = 1.0;
 const SHORTEST: usize = 7;
 const LONGEST: usize = 64;
 
+/// How far the lattice points lie that decide on the flatness of a vertex: to the end of a longest
+/// terrace and of the one behind it, seen from two steps away.
+pub(crate) const REACH: usize = 2 * LONGEST + 2;
+
 /// How surely every vertex lies on a flat face along the grid, from 0 to 1.
 pub(super) fn flatness(surface: &Surface) -> Vec<f32> {
-    let lattice = Lattice::of(surface);
+    flatness_within(surface.volume(), [0; 3], surface)
+}
+
+/// The same of a surface that is a piece of that of `volume`, from lattice point `first` on.
+pub(super) fn flatness_within(
+    volume: &Occupancy,
+    first: [usize; 3],
+    surface: &Surface,
+) -> Vec<f32> {
+    let lattice = Lattice::of(volume);
     let mut flatness = vec![0.0; surface.vertex_count()];
     let ends = (0..surface.slice_count()).map(|k| surface.slice_vertices(k).end as usize);
     parallel::pieces(&mut flatness, ends, |k, flatness| {
         for (flatness, crossing) in flatness.iter_mut().zip(surface.slice_crossings(k)) {
-            *flatness = Terrace::of(&lattice, crossing).flatness();
+            *flatness = Terrace::of(&lattice, first, crossing).flatness();
         }
     });
     flatness
@@ -43,9 +57,9 @@ struct Lattice<'a> {
 }
 
 impl<'a> Lattice<'a> {
-    fn of(surface: &'a Surface) -> Self {
-        let (words, per_row) = surface.volume().words();
-        let dims = surface.grid().dims();
+    fn of(volume: &'a Occupancy) -> Self {
+        let (words, per_row) = volume.words();
+        let dims = volume.grid().dims();
         let row = 64 * per_row as isize;
         Self { words, dims, strides: [1, row, row * dims[1] as isize] }
     }
@@ -68,8 +82,9 @@ struct Terrace<'a> {
 }
 
 impl<'a> Terrace<'a> {
-    fn of(lattice: &'a Lattice<'a>, crossing: Crossing) -> Self {
-        let point = crossing.inside();
+    fn of(lattice: &'a Lattice<'a>, first: [usize; 3], crossing: Crossing) -> Self {
+        let inside = crossing.inside();
+        let point = [0, 1, 2].map(|k| inside[k] + first[k]);
         let bit = (0..3).map(|k| point[k] as isize * lattice.strides[k]).sum();
         Self { lattice, point, bit, axis: crossing.axis(), is_up: crossing.inside_low() }
     }

@@ -20,6 +20,7 @@ mod level;
 mod model;
 mod names;
 mod newton;
+mod pieces;
 mod plan;
 mod problem;
 mod progress;
@@ -37,9 +38,12 @@ mod visit;
 
 pub use alone::minimise_vertex;
 pub use keep::keep_volumes;
+pub(crate) use pieces::{FLAT_REACH, FixedPass, KNOWN, Piece, fixed_passes};
 pub use progress::{Observer, Positions, Progress};
+pub(crate) use relax::EnergySum;
 pub use report::{ComponentVolume, Report, Round, Status};
 pub use settings::{Crease, Preset, Settings, Solver, Start, VolumeRule};
+pub(crate) use tile::{EDGE, Tiling};
 
 use std::sync::Arc;
 

@@ -63,9 +63,9 @@ impl<R: Real> Model<R> {
     }
 
     /// What the vertices have of the energy of the curves where the model stands, those that are
-    /// fixed left out; as [`Problem::set_barrier`] takes it.
+    /// foreign left out; as [`Problem::set_barrier`] takes it.
     pub(super) fn energy_of_vertices(&self, problem: &Problem<R>) -> f64 {
-        problem.sum_over_free_vertices(|place| self.parts[place].rho)
+        problem.sum_over_own_vertices(|place| self.parts[place].rho)
     }
 
     fn linearise_curves(&mut self, problem: &Problem<R>, x: &[R]) -> Value {

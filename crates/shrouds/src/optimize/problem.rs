@@ -77,9 +77,11 @@ pub(super) struct Problem<'a, R> {
     creases: Option<Creases<'a>>,
     /// See [`thinness`](crease::thinness); empty without creases.
     thinness: Vec<f32>,
-    /// Whether a vertex must stay where it is, and whether there is one that must.
+    /// Whether a vertex must stay where it is.
     pub(super) is_fixed: Vec<bool>,
-    has_fixed: bool,
+    /// Whether a vertex does not count in sums, and whether there is one that does not.
+    pub(super) is_foreign: Vec<bool>,
+    has_foreign: bool,
 }
 
 /// A measure with the weight of its ρ at every place, 0 where a vertex that it needs is missing.
@@ -91,7 +93,7 @@ pub(super) struct WeightedPart<'a, R> {
     weights: Vec<R>,
 }
 
-/// The value of the energy, and the part of it that stands at vertices that are not fixed.
+/// The value of the energy, and the part of it that stands at vertices that are not foreign.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Value {
     pub(super) all: f64,
@@ -137,7 +139,8 @@ impl<'a, R: Real> Problem<'a, R> {
             barrier: Barrier::none(network.vertex_count()),
             mean_energy: conditions.mean_energy,
             is_fixed: vec![false; network.vertex_count()],
-            has_fixed: false,
+            is_foreign: vec![false; network.vertex_count()],
+            has_foreign: false,
         };
         problem.set_weights(&vec![[R::from_f64(1.0); 2]; network.vertex_count()], &[]);
         problem
@@ -145,8 +148,13 @@ impl<'a, R: Real> Problem<'a, R> {
 
     /// Lets some vertices stay where they are.
     pub(super) fn fix(&mut self, is_fixed: Vec<bool>) {
-        self.has_fixed = is_fixed.contains(&true);
         self.is_fixed = is_fixed;
+    }
+
+    /// Leaves some vertices out of what is summed up over the tiles of a surface.
+    pub(super) fn leave_out(&mut self, is_foreign: Vec<bool>) {
+        self.has_foreign = is_foreign.contains(&true);
+        self.is_foreign = is_foreign;
     }
 
     /// Keeps the vertices in intervals of their own, where there are some.
@@ -234,11 +242,11 @@ impl<'a, R: Real> Problem<'a, R> {
         self.barrier.set(shared, &self.flatness, of_vertex);
     }
 
-    /// The energies that the barrier goes by, of all vertices that are not fixed.
-    pub(super) fn sum_over_free_vertices(&self, of_place: impl Fn(usize) -> R + Sync) -> f64 {
+    /// The energies that the barrier goes by, of all vertices that are not foreign.
+    pub(super) fn sum_over_own_vertices(&self, of_place: impl Fn(usize) -> R + Sync) -> f64 {
         parallel::sum_blocks(self.network.vertex_count(), |range| {
-            let free = range.filter(|&v| !self.is_fixed[v]);
-            free.map(|v| energy_of_vertex(self.network, v, &of_place)).sum::<f64>()
+            let own = range.filter(|&v| !self.is_foreign[v]);
+            own.map(|v| energy_of_vertex(self.network, v, &of_place)).sum::<f64>()
         })
     }
 
@@ -359,14 +367,14 @@ impl<'a, R: Real> Problem<'a, R> {
     ) -> Value {
         let part = |part: Range<usize>| {
             let all = sum_of(part.clone().map(|place| of_place(place).to_f64()));
-            let fixed: f64 = if self.has_fixed {
-                let is_fixed = self.network.at_places(part.clone(), &self.is_fixed);
-                let fixed = part.zip(is_fixed).filter(|(_, is_fixed)| *is_fixed);
-                fixed.map(|(place, _)| of_place(place).to_f64()).sum()
+            let foreign: f64 = if self.has_foreign {
+                let is_foreign = self.network.at_places(part.clone(), &self.is_foreign);
+                let foreign = part.zip(is_foreign).filter(|(_, is_foreign)| *is_foreign);
+                foreign.map(|(place, _)| of_place(place).to_f64()).sum()
             } else {
                 0.0
             };
-            Value { all, own: all - fixed }
+            Value { all, own: all - foreign }
         };
         self.network.curve_parts(range).map(part).sum()
     }
@@ -379,7 +387,7 @@ impl<'a, R: Real> Problem<'a, R> {
         parallel::sum_blocks(x.len(), |range| {
             let value = |v| {
                 let all = self.barrier.value(v, x[v].to_f64());
-                Value { all, own: if self.is_fixed[v] { 0.0 } else { all } }
+                Value { all, own: if self.is_foreign[v] { 0.0 } else { all } }
             };
             range.map(value).sum()
         })

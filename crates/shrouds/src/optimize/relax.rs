@@ -9,7 +9,7 @@ use crate::optimize::problem::Conditions;
 use crate::optimize::progress::{Observer, Positions, Progress};
 use crate::optimize::real::Real;
 use crate::optimize::report::{Round, Stationarity, Status};
-use crate::optimize::tile::{Tile, TileRows, partition};
+use crate::optimize::tile::{Tile, TilePoints, Tiling, partition};
 use crate::optimize::visit::{Moment, Visit, Watch, visit};
 use crate::parallel;
 use crate::surface::Surface;
@@ -17,7 +17,7 @@ use crate::surface::Surface;
 /// Vertices per tile, about: enough that little is worked on twice, few enough for the cache.
 const TILE: usize = 50_000;
 /// Tiles worked on between two calls of the observer.
-const GROUP: usize = 8;
+pub(super) const GROUP: usize = 8;
 
 /// What is known of a surface after the passes.
 pub(super) struct Relaxed {
@@ -176,19 +176,23 @@ impl Work<'_> {
     ) -> Pass {
         let (surface, conditions, least) = (self.surface, self.conditions, self.least);
         if self.is_one_tile(x.len()) {
-            let tile = Tile::cut(surface, TileRows::all(surface));
+            let tile = Tile::cut(surface, TilePoints::all(surface));
             let visit = visit(&tile, &conditions, passes, least, x, Some(watch));
             self.finish(&mut pass, &tile, visit, x);
             return pass;
         }
-        let colours = partition(surface, TILE, shifted);
-        let groups: Vec<&[TileRows]> = colours.iter().flat_map(|c| c.chunks(GROUP)).collect();
+        // On the way to convergence what one tile finds is the surroundings of the next. Tiles of the
+        // lattice know nothing of each other, and do not depend on the extent of the surface.
+        let converges = passes.iter().flat_map(|steps| *steps).any(|effort| effort.converges);
+        let before = if converges { Vec::new() } else { x.to_vec() };
+        let colours: Vec<Vec<TilePoints>> = match converges {
+            true => partition(surface, TILE, shifted).into(),
+            false => vec![Tiling::of(surface).tiles(surface, &surface.points())],
+        };
+        let groups: Vec<&[TilePoints]> = colours.iter().flat_map(|c| c.chunks(GROUP)).collect();
         for (done, tiles) in groups.iter().enumerate() {
-            let found = parallel::blocks(tiles.len(), 1, |range| {
-                let tile = Tile::cut(surface, tiles[range.start].clone());
-                let visit = visit(&tile, &conditions, passes, least, x, None);
-                (tile, visit)
-            });
+            let x_there: &[R] = if converges { x } else { &before };
+            let found = visit_all(surface, &conditions, tiles, passes, least, x_there);
             for (tile, visit) in found {
                 self.finish(&mut pass, &tile, visit, x);
             }
@@ -211,11 +215,46 @@ impl Work<'_> {
     fn take(&mut self, pass: Pass, vertices: usize) -> Status {
         let status = pass.status;
         if !self.is_one_tile(vertices) {
-            self.conditions.mean_energy = Some(pass.energy_of_vertices / vertices as f64);
+            let mean = pass.energy_of_vertices.mean(vertices as u64);
+            self.conditions.mean_energy = Some(mean);
         }
         self.relaxed.stationarity = pass.stationarity;
         self.relaxed.rounds.extend(pass.into_rounds());
         status
+    }
+}
+
+/// The work on some tiles, none of which knows what the others find.
+pub(super) fn visit_all<'a, R: Real>(
+    surface: &'a Surface,
+    conditions: &Conditions,
+    tiles: &[TilePoints],
+    passes: &[&[Effort]],
+    least: f64,
+    x: &[R],
+) -> Vec<(Tile<'a>, Visit<R>)> {
+    parallel::blocks(tiles.len(), 1, |range| {
+        let tile = Tile::cut(surface, tiles[range.start].clone());
+        let visit = visit(&tile, conditions, passes, least, x, None);
+        (tile, visit)
+    })
+}
+
+/// A sum of energies that does not depend on the order of adding: in whole units.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct EnergySum(pub(crate) u64);
+
+impl EnergySum {
+    const UNITS: f64 = (1u64 << 24) as f64;
+
+    /// Adds the energy of a tile.
+    pub(crate) fn add(&mut self, energy: f64) {
+        self.0 += (energy * Self::UNITS).round() as u64;
+    }
+
+    /// The mean over so many vertices.
+    pub(crate) fn mean(self, vertices: u64) -> f64 {
+        self.0 as f64 / Self::UNITS / vertices.max(1) as f64
     }
 }
 
@@ -228,7 +267,7 @@ struct Pass {
     /// See [`Visit::first_move`].
     first_move: f64,
     /// See [`Visit::energy_of_vertices`].
-    energy_of_vertices: f64,
+    energy_of_vertices: EnergySum,
     stationarity: Stationarity,
     status: Status,
 }
@@ -239,7 +278,7 @@ impl Pass {
             energies: passes.iter().map(|steps| vec![0.0; steps.len() + 1]).collect(),
             most_steps: 0,
             first_move: 0.0,
-            energy_of_vertices: 0.0,
+            energy_of_vertices: EnergySum::default(),
             stationarity: Stationarity::default(),
             status,
         }
@@ -247,7 +286,7 @@ impl Pass {
 
     fn add<R>(&mut self, visit: Visit<R>) {
         self.first_move += visit.first_move;
-        self.energy_of_vertices += visit.energy_of_vertices;
+        self.energy_of_vertices.add(visit.energy_of_vertices);
         let steps = visit.energies.last().map_or(0, |energies| energies.len() - 1);
         self.most_steps = self.most_steps.max(steps);
         let passes = visit.energies.len();

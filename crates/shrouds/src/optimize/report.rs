@@ -131,15 +131,15 @@ pub(super) struct Stationarity {
 }
 
 impl Stationarity {
-    /// That of the vertices that are not fixed.
+    /// That of the vertices that are not foreign.
     pub(super) fn of<R: Real>(
         model: &Model<R>,
         x: &[R],
         bounds: &Bounds<R>,
-        is_fixed: &[bool],
+        is_foreign: &[bool],
     ) -> Self {
         let mut sum = Self::default();
-        for (v, &x) in x.iter().enumerate().filter(|&(v, _)| !is_fixed[v]) {
+        for (v, &x) in x.iter().enumerate().filter(|&(v, _)| !is_foreign[v]) {
             let [low, high] = bounds.of(v);
             let gradient = model.gradient(v);
             let held = (x <= low && gradient > 0.0) || (x >= high && gradient < 0.0);

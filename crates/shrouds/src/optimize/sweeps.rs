@@ -54,7 +54,7 @@ pub(super) fn solve(
     }
     let mut model = Model::new(problem.network);
     model.linearise(problem, x);
-    (rounds, Stationarity::of(&model, x, &problem.bounds, &problem.is_fixed))
+    (rounds, Stationarity::of(&model, x, &problem.bounds, &problem.is_foreign))
 }
 
 /// ‖δᵏ − δᵏ⁺¹‖/‖δᵏ⁺¹‖ between two states.

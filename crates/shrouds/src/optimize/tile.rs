@@ -3,111 +3,103 @@
 use std::ops::Range;
 
 use crate::network::Network;
-use crate::surface::Surface;
+use crate::surface::{Region, Surface};
+use crate::volume::Border;
 
-/// Lattice rows a tile holds beyond its own: three vertices away along a curve, and the upper ends of
-/// grid edges.
-const BELOW: usize = 3;
-const ABOVE: usize = 4;
+/// Lattice points a tile knows beyond those it may move: three vertices away along a curve, and the
+/// upper ends of grid edges.
+pub(crate) const BELOW: usize = 3;
+pub(crate) const ABOVE: usize = 4;
 
-/// Smallest edge of a tile in lattice rows; those around it are worked on twice.
+/// Smallest edge of a tile of rows in lattice rows; those around it are worked on twice.
 const MIN_EDGE: f64 = 24.0;
 
-/// The rows of a tile: those of some slices between two y indices, whole along x.
+/// The lattice points of a tile.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct TileRows {
-    pub(super) y: Range<usize>,
-    pub(super) z: Range<usize>,
+pub(super) struct TilePoints {
+    /// Those whose vertices become what the tile finds.
+    pub(super) own: Region,
+    /// Those whose vertices move: its own, and perhaps some around them, which others find better.
+    pub(super) free: Region,
 }
 
-impl TileRows {
-    /// The rows of a whole surface.
+impl TilePoints {
+    /// Those of a whole surface.
     pub(super) fn all(surface: &Surface) -> Self {
-        let [_, ny, nz] = surface.grid().dims();
-        Self { y: 0..ny, z: 0..nz }
+        Self::alone(surface.points())
+    }
+
+    /// A tile that moves its own vertices only.
+    fn alone(own: Region) -> Self {
+        Self { free: own.clone(), own }
     }
 }
 
-/// The curves through some lattice rows, with enough around them to know their energy.
+/// The curves through some lattice points, with enough around them to know their energy.
 pub(super) struct Tile<'a> {
     whole: &'a Surface,
-    rows: TileRows,
-    /// The piece of the volume, from lattice row and slice `first` on.
+    points: TilePoints,
+    /// The piece of the volume, and the first of its lattice points.
     piece: Surface,
-    first: [usize; 2],
+    first: [usize; 3],
     pub(super) network: Network,
 }
 
 impl<'a> Tile<'a> {
-    pub(super) fn cut(whole: &'a Surface, rows: TileRows) -> Self {
-        let [_, ny, nz] = whole.grid().dims();
-        let widened = |own: &Range<usize>, count: usize| {
-            own.start.saturating_sub(BELOW)..count.min(own.end + ABOVE)
-        };
-        let (y, z) = (widened(&rows.y, ny), widened(&rows.z, nz));
-        let first = [y.start, z.start];
-        let piece = whole.crop(y, z);
+    pub(super) fn cut(whole: &'a Surface, points: TilePoints) -> Self {
+        let known = whole.widened(&points.free, [BELOW, ABOVE]);
+        let first = known.each_ref().map(|range| range.start);
+        let piece = whole.crop(known);
         let network = Network::trace(&piece);
-        Self { whole, rows, piece, first, network }
+        Self { whole, points, piece, first, network }
     }
 
     /// What is known of the tile's vertices, from that of the whole surface; `missing` for grid edges
     /// that leave the piece there and not in the surface.
     pub(super) fn read<T: Copy>(&self, x: &[T], missing: T) -> Vec<T> {
         let mut own = vec![missing; self.piece.vertex_count()];
-        self.for_each_row(|_, here, there| own[here].copy_from_slice(&x[there]));
+        self.for_each_row(&self.whole.points(), |here, there| {
+            own[here].copy_from_slice(&x[there]);
+        });
         own
     }
 
-    /// Puts what is known of the vertices of the tile's own rows to that of all.
+    /// Puts what is known of the tile's own vertices to that of all.
     pub(super) fn write<T: Copy>(&self, own: &[T], all: &mut [T]) {
-        self.for_each_row(|is_own, here, there| {
-            if is_own {
-                all[there].copy_from_slice(&own[here]);
-            }
+        self.for_each_row(&self.points.own, |here, there| {
+            all[there].copy_from_slice(&own[here]);
         });
     }
 
-    /// Which vertices belong to rows of others.
+    /// Which vertices must stay where they are.
     pub(super) fn is_fixed(&self) -> Vec<bool> {
-        let mut fixed = vec![true; self.piece.vertex_count()];
-        self.for_each_row(|is_own, here, _| fixed[here].fill(!is_own));
-        fixed
+        self.is_beyond(&self.points.free)
     }
 
-    /// Calls `f` with the vertices of every row, all at once or along each axis, as numbered here and
-    /// in the whole surface, and whether the row is the tile's own.
-    fn for_each_row(&self, mut f: impl FnMut(bool, Range<usize>, Range<usize>)) {
-        let [_, ny, nz] = self.piece.grid().dims();
-        for (k, j) in (0..nz).flat_map(|k| (0..ny).map(move |j| (k, j))) {
-            let here = self.piece.all_row_vertices(j, k);
-            if here.is_empty() {
-                continue;
-            }
-            let (y, z) = (self.first[0] + j, self.first[1] + k);
-            let is_own = self.rows.y.contains(&y) && self.rows.z.contains(&z);
-            let there = self.whole.all_row_vertices(y, z);
-            if here.len() == there.len() {
-                f(is_own, here, there);
-                continue;
-            }
-            // Grid edges leave the piece here.
-            for axis in 0..3 {
-                let here = self.piece.row_vertices(axis, j, k);
-                if !here.is_empty() {
-                    f(is_own, here, self.whole.row_vertices(axis, y, z));
-                }
-            }
-        }
+    /// Which vertices others have.
+    pub(super) fn is_foreign(&self) -> Vec<bool> {
+        self.is_beyond(&self.points.own)
+    }
+
+    fn is_beyond(&self, points: &Region) -> Vec<bool> {
+        let mut beyond = vec![true; self.piece.vertex_count()];
+        self.for_each_row(points, |here, _| beyond[here].fill(false));
+        beyond
+    }
+
+    /// Calls `f` with the vertices of every lattice row along every axis whose grid edges start at some
+    /// points, as numbered here and in the whole surface.
+    fn for_each_row(&self, points: &Region, f: impl FnMut(Range<usize>, Range<usize>)) {
+        self.piece.for_each_row_of(self.whole, self.first, points, f);
     }
 }
 
 /// Cuts the lattice rows that the surface passes into tiles of about `vertices` vertices each, four
 /// colours of them: two tiles of one colour never touch. With `shifted` the borders run through the
 /// middles of the tiles without.
-pub(super) fn partition(surface: &Surface, vertices: usize, shifted: bool) -> [Vec<TileRows>; 4] {
-    let [_, ny, nz] = surface.grid().dims();
-    let mut colours: [Vec<TileRows>; 4] = Default::default();
+pub(super) fn partition(surface: &Surface, vertices: usize, shifted: bool) -> [Vec<TilePoints>; 4] {
+    let [nx, ny, nz] = surface.grid().dims();
+    let mut colours: [Vec<TilePoints>; 4] = Default::default();
     let count = surface.vertex_count().div_ceil(vertices);
     let occupied = surface.occupied_rows();
     // Square tiles over the rows between the first and the last with vertices.
@@ -123,16 +115,73 @@ pub(super) fn partition(surface: &Surface, vertices: usize, shifted: bool) -> [V
     let (y, z) = (cuts(&occupied[0], ny), cuts(&occupied[1], nz));
     for (b, z) in z.windows(2).enumerate() {
         for (a, y) in y.windows(2).enumerate() {
-            colours[a % 2 + 2 * (b % 2)].push(TileRows { y: y[0]..y[1], z: z[0]..z[1] });
+            let own = [0..nx, y[0]..y[1], z[0]..z[1]];
+            colours[a % 2 + 2 * (b % 2)].push(TilePoints::alone(own));
         }
     }
     colours
 }
 
+/// Edge of a tile of the lattice in lattice points, and how many around its own it moves too: what
+/// the tiles beside it find where they meet then differs next to nothing (see docs/decisions.md).
+pub(crate) const EDGE: usize = 64;
+pub(crate) const HALO: usize = 4;
+
+/// Where the tiles of a lattice meet: after every [`EDGE`] voxels. The layers of a closed border belong
+/// to the tiles they touch.
+#[derive(Debug, Clone)]
+pub(crate) struct Tiling {
+    /// Voxels along x, y, z.
+    voxels: [usize; 3],
+    /// Layers around them.
+    margin: usize,
+    /// The lattice point at which the piece begins that is cut into tiles.
+    first: [usize; 3],
+}
+
+impl Tiling {
+    /// That of a whole surface.
+    pub(crate) fn of(surface: &Surface) -> Self {
+        let margin = usize::from(surface.border() == Border::Closed);
+        let voxels = surface.grid().dims().map(|points| points - 2 * margin);
+        Self { voxels, margin, first: [0; 3] }
+    }
+
+    /// That of a piece of it, which begins at lattice point `first`.
+    pub(crate) fn of_piece(voxels: [usize; 3], margin: usize, first: [usize; 3]) -> Self {
+        Self { voxels, margin, first }
+    }
+
+    /// The tiles of some points of the piece that hold vertices, x fastest.
+    pub(super) fn tiles(&self, piece: &Surface, points: &Region) -> Vec<TilePoints> {
+        let [x, y, z] = [0, 1, 2].map(|d| self.parts(d, &points[d]));
+        let mut tiles = Vec::new();
+        for (z, y) in z.iter().flat_map(|z| y.iter().map(move |y| (z, y))) {
+            for x in &x {
+                let own = [x, y, z].map(Range::clone);
+                if piece.has_vertices(&own) {
+                    tiles.push(TilePoints { free: piece.widened(&own, [HALO; 2]), own });
+                }
+            }
+        }
+        tiles
+    }
+
+    fn parts(&self, axis: usize, range: &Range<usize>) -> Vec<Range<usize>> {
+        let cuts = (1..self.voxels[axis].div_ceil(EDGE)).map(|n| self.margin + n * EDGE);
+        let inner = cuts
+            .filter_map(|cut| cut.checked_sub(self.first[axis]))
+            .filter(|cut| range.start < *cut && *cut < range.end);
+        let ends: Vec<usize> =
+            std::iter::once(range.start).chain(inner).chain([range.end]).collect();
+        ends.windows(2).map(|pair| pair[0]..pair[1]).collect()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::volume::{Border, FaceRule, phantom};
+    use crate::volume::{FaceRule, phantom};
 
     fn surfaces() -> Vec<Surface> {
         let volumes = [phantom::gyroid(64), phantom::sphere(100), phantom::linked_tori(70)];
@@ -149,7 +198,8 @@ mod tests {
                 assert!(colours.iter().flatten().count() > 1);
                 let mut held = vec![0; ny * nz];
                 for tile in colours.iter().flatten() {
-                    for (j, k) in tile.z.clone().flat_map(|k| tile.y.clone().map(move |j| (j, k))) {
+                    let [_, y, z] = tile.own.clone();
+                    for (j, k) in z.flat_map(|k| y.clone().map(move |j| (j, k))) {
                         held[k * ny + j] += 1;
                     }
                 }
@@ -160,7 +210,8 @@ mod tests {
                             let gap = |a: &Range<usize>, b: &Range<usize>| {
                                 a.start.max(b.start).saturating_sub(a.end.min(b.end))
                             };
-                            let apart = gap(&a.y, &b.y).max(gap(&a.z, &b.z));
+                            let [_, y, z] = [0, 1, 2].map(|n| gap(&a.own[n], &b.own[n]));
+                            let apart = y.max(z);
                             assert!(apart > BELOW + ABOVE, "{a:?} and {b:?}");
                         }
                     }
@@ -182,5 +233,38 @@ mod tests {
             }
             assert_eq!(back, x);
         }
+    }
+    #[test]
+    fn tiles_of_the_lattice_hold_every_vertex_once() {
+        // The first one is no larger than a tile.
+        for surface in &surfaces()[1..] {
+            let tiles = Tiling::of(surface).tiles(surface, &surface.points());
+            assert!(tiles.len() > 1);
+            let mut held = vec![0; surface.vertex_count()];
+            for points in tiles {
+                let tile = Tile::cut(surface, points);
+                let mut once = held.clone();
+                once.iter_mut().for_each(|count| *count += 1);
+                tile.write(&tile.read(&once, 0), &mut held);
+            }
+            assert!(held.iter().all(|&count| count == 1));
+        }
+    }
+
+    #[test]
+    fn pieces_of_a_lattice_have_its_tiles() {
+        let volume = phantom::sphere(150).unwrap();
+        let surface = Surface::extract(&volume, FaceRule::Separate, Border::Closed).unwrap();
+        let of_whole = Tiling::of(&surface).tiles(&surface, &surface.points());
+        let first = [40, 60, 0];
+        let piece = surface.crop([40..152, 60..140, 0..152]);
+        let tiling = Tiling::of_piece([150; 3], 1, first);
+        let of_piece = tiling.tiles(&piece, &[25..112, 5..69, 0..65]);
+        let in_whole = of_piece.iter().map(|tile| {
+            let own: Region =
+                std::array::from_fn(|d| tile.own[d].start + first[d]..tile.own[d].end + first[d]);
+            of_whole.iter().find(|whole| whole.own == own).is_some()
+        });
+        assert!(in_whole.len() > 1 && in_whole.min() == Some(true));
     }
 }

@@ -52,6 +52,7 @@ pub(super) fn visit<R: Real>(
     let local = |factors: &[f32]| tile.read(factors, 0.0);
     let mut problem = Problem::new(&tile.network, conditions, local);
     problem.fix(tile.is_fixed());
+    problem.leave_out(tile.is_foreign());
     if !conditions.intervals.is_empty() {
         problem.narrow(&tile.read(conditions.intervals, [0.0, 1.0]));
     }
@@ -76,7 +77,8 @@ pub(super) fn visit<R: Real>(
                 first_move = step.moved;
             }
             if let Some(watch) = &mut watch {
-                let found = Stationarity::of(&newton.model, &x, &problem.bounds, &problem.is_fixed);
+                let found =
+                    Stationarity::of(&newton.model, &x, &problem.bounds, &problem.is_foreign);
                 let share = made as f64 / planned as f64;
                 let (energy, step_rms) = (energy.own, found.step_rms());
                 is_cancelled = watch(Moment { steps: made, share, energy, step_rms, x: &x });
@@ -90,7 +92,7 @@ pub(super) fn visit<R: Real>(
             break;
         }
     }
-    let stationarity = Stationarity::of(&newton.model, &x, &problem.bounds, &problem.is_fixed);
+    let stationarity = Stationarity::of(&newton.model, &x, &problem.bounds, &problem.is_foreign);
     let slopes = problem.slopes(&x);
     let energy_of_vertices = newton.model.energy_of_vertices(&problem);
     Visit { x, energies, first_move, energy_of_vertices, stationarity, slopes, is_cancelled }

@@ -27,6 +27,13 @@ impl Crossing {
         Self(self.0 | steps | inside_low << (3 * FIELD + 2))
     }
 
+    /// The same crossing on a lattice that begins `first` points earlier along x, y, z.
+    pub(crate) fn moved(self, first: [usize; 3]) -> Self {
+        let low = self.low();
+        let low = [0, 1, 2].map(|k| low[k] + first[k]);
+        Self::new(low, self.axis(), self.inside_low())
+    }
+
     /// Index `[i, j, k]` of the edge's low end in the surface's grid.
     #[inline]
     pub fn low(self) -> [usize; 3] {

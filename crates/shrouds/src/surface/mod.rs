@@ -21,6 +21,7 @@ mod face_rule;
 mod faces;
 mod isosurface;
 mod patches;
+mod rows;
 pub(crate) mod triangulation;
 
 #[cfg(test)]
@@ -29,6 +30,7 @@ mod tests;
 pub use cell::LoopShape;
 pub use components::Components;
 pub use crossing::Crossing;
+pub(crate) use rows::Region;
 
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -122,37 +124,6 @@ impl Surface {
     /// The lattice points the surface separates, those of a closed border included.
     pub(crate) fn volume(&self) -> &Occupancy {
         &self.volume
-    }
-
-    /// The surface of the lattice points in some rows of some slices, as far as it lies between them.
-    pub(crate) fn crop(&self, rows: Range<usize>, slices: Range<usize>) -> Self {
-        extract::number(self.volume.crop_rows(rows, slices), self.face_rule, Border::Open).0
-    }
-
-    /// The vertices of lattice row `(j, k)` on grid edges along an axis.
-    pub(crate) fn row_vertices(&self, axis: usize, j: usize, k: usize) -> Range<usize> {
-        let stream = 3 * (k * self.grid().dims()[1] + j) + axis;
-        let firsts = self.rows.as_flattened();
-        firsts[stream] as usize..firsts[stream + 1] as usize
-    }
-
-    /// The vertices of lattice row `(j, k)` on grid edges along all axes, one axis after another.
-    pub(crate) fn all_row_vertices(&self, j: usize, k: usize) -> Range<usize> {
-        let row = k * self.grid().dims()[1] + j;
-        self.first_vertex(row) as usize..self.first_vertex(row + 1) as usize
-    }
-
-    /// Between which y and z indices there are vertices.
-    pub(crate) fn occupied_rows(&self) -> [Range<usize>; 2] {
-        let [_, ny, nz] = self.grid().dims();
-        let is_empty = |row: usize| self.first_vertex(row) == self.first_vertex(row + 1);
-        let filled = |count: usize, is_filled: &dyn Fn(usize) -> bool| {
-            let first = (0..count).find(|&n| is_filled(n)).unwrap_or_default();
-            first..(0..count).rfind(|&n| is_filled(n)).map_or(first, |last| last + 1)
-        };
-        let z = filled(nz, &|k| !self.slice_vertices(k).is_empty());
-        let y = filled(ny, &|j| z.clone().any(|k| !is_empty(k * ny + j)));
-        [y, z]
     }
 
     /// Number of triangles that the patches are cut into, in whatever way.

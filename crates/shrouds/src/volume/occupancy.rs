@@ -183,6 +183,12 @@ impl Occupancy {
         &self.words[start..start + self.words_per_row]
     }
 
+    /// The words of row `(j, k)`, to change; bits past the end have to stay 0.
+    pub(super) fn row_mut(&mut self, j: usize, k: usize) -> &mut [u64] {
+        let start = (k * self.grid.dims()[1] + j) * self.words_per_row;
+        &mut self.words[start..start + self.words_per_row]
+    }
+
     /// Puts every lattice point inside that is inside `other`.
     ///
     /// # Panics
@@ -195,19 +201,6 @@ impl Occupancy {
     /// The words of all rows one after another, and how many make a row.
     pub(crate) fn words(&self) -> (&[u64], usize) {
         (&self.words, self.words_per_row)
-    }
-
-    /// The lattice points in some rows of some slices, with a grid whose place is that of the whole.
-    pub(crate) fn crop_rows(&self, rows: Range<usize>, slices: Range<usize>) -> Self {
-        let [nx, ny, _] = self.grid.dims();
-        let first = [0, rows.start as isize, slices.start as isize];
-        let grid = self.grid.window(first, [nx, rows.len(), slices.len()]);
-        let row = |j: usize, k: usize| (k * ny + j) * self.words_per_row;
-        let words = slices
-            .flat_map(|k| &self.words[row(rows.start, k)..row(rows.end, k)])
-            .copied()
-            .collect();
-        Self { grid, words_per_row: self.words_per_row, words }
     }
 
     /// The slice of lattice points with index `index` along `axis`, an image of one slice along z in

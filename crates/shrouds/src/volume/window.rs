@@ -17,6 +17,32 @@ impl Occupancy {
         Ok(self.window(first, Self::empty(grid)))
     }
 
+    /// The lattice points in ranges within the lattice, in their places in the world.
+    pub(crate) fn cut_out(&self, ranges: [Range<usize>; 3]) -> Self {
+        let first = ranges.each_ref().map(|range| range.start as isize);
+        let grid = self.grid().window(first, ranges.map(|range| range.len()));
+        self.window(first, Self::empty(grid))
+    }
+
+    /// Puts every lattice point inside that is inside `part`, whose first point is point `first` here;
+    /// those of it that lie beyond this volume are left out.
+    pub(crate) fn paste(&mut self, first: [isize; 3], part: &Self) {
+        let ([_, ny, nz], [nx, own_ny, own_nz]) = (part.grid().dims(), self.grid().dims());
+        let within = |count: usize, first: isize, own: usize| {
+            let place =
+                move |n: usize| usize::try_from(n as isize + first).ok().filter(|&n| n < own);
+            (0..count).filter_map(move |n| place(n).map(|there| (n, there)))
+        };
+        let mut words = vec![0; nx.div_ceil(64)];
+        for (k, own_k) in within(nz, first[2], own_nz) {
+            for (j, own_j) in within(ny, first[1], own_ny) {
+                copy_bits(part.row(j, k), -first[0], &mut words);
+                clear_past(&mut words, nx);
+                self.row_mut(own_j, own_k).iter_mut().zip(&words).for_each(|(a, b)| *a |= b);
+            }
+        }
+    }
+
     /// The same volume with `margin` layers of outside points around it.
     ///
     /// # Errors

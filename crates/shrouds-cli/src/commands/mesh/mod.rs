@@ -1,5 +1,6 @@
 //! `shrouds mesh`: a volume in, its shroud out.
 
+mod chunked;
 mod each;
 
 use std::path::Path;
@@ -26,6 +27,9 @@ pub(crate) fn run(args: &MeshArgs, console: Console) -> Result<(), Failure> {
     let extras = Extras { network: false, attributes: args.attributes.clone() };
     if args.each.is_some() {
         return each::run(args, &job, &extras, start, console);
+    }
+    if let Some(edge) = args.chunk {
+        return chunked::run(args, edge, &job, start, console);
     }
     let outputs = Outputs {
         mesh: &args.output,
