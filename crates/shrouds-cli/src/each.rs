@@ -137,8 +137,7 @@ impl Each<'_> {
         make_folder(folder)?;
         let path = folder.join(format!("{}.{}", one.label.file_name(), self.target.extension));
         check_targets(&[&path], &[self.target.input])?;
-        let part =
-            PartOf { name: one.label.title(), label: Some(one.label.label), made: &mut one.made };
+        let part = PartOf::new(&mut one.made, one.label.title(), Some(one.label.label));
         let Source { lattice, frame, .. } = source;
         write(&path, &mut [part], lattice, frame, self.job.frame, self.console)?;
         if !self.keeps_meshes {
@@ -166,7 +165,7 @@ impl Each<'_> {
         let mut parts = Vec::new();
         for Finished { label, made, file } in &mut self.done {
             *file = output.into();
-            parts.push(PartOf { name: label.title(), label: Some(label.label), made });
+            parts.push(PartOf::new(made, label.title(), Some(label.label)));
         }
         write(output, &mut parts, lattice, frame, self.job.frame, self.console)
     }

@@ -17,6 +17,7 @@ use crate::selection::{Selection, list};
 use crate::settings::volume_options;
 
 /// An enumerated volume and where it comes from.
+#[derive(Clone)]
 pub(crate) struct Source {
     /// The file.
     pub(crate) path: PathBuf,

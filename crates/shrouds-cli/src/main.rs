@@ -30,6 +30,7 @@ mod selection;
 mod settings;
 mod truth;
 mod vector;
+mod view;
 mod work;
 
 use std::process::ExitCode;

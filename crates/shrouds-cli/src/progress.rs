@@ -1,6 +1,8 @@
 //! What goes on, shown on a terminal when it takes more than a second.
 
 use std::io::{IsTerminal, stderr};
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::{JoinHandle, spawn};
 use std::time::Duration;
@@ -12,9 +14,15 @@ use shrouds::optimize;
 const PATIENCE: Duration = Duration::from_secs(1);
 const TICK: Duration = Duration::from_millis(100);
 
+/// Told what is being done, and which share of it is done where that is known.
+type Listener = dyn Fn(&str, Option<f64>) -> ControlFlow<()> + Send + Sync;
+
 /// A line that tells what goes on; it disappears when dropped.
 pub(crate) struct Progress {
     bar: ProgressBar,
+    /// Who else is told, and says whether the work goes on.
+    listener: Option<Box<Listener>>,
+    is_stopped: AtomicBool,
     waiter: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
@@ -34,7 +42,30 @@ impl Progress {
             };
             (stop, spawn(show))
         });
-        Self { bar, waiter }
+        Self { bar, listener: None, is_stopped: AtomicBool::new(false), waiter }
+    }
+
+    /// Hidden, but for one who listens.
+    pub(crate) fn telling(
+        listener: impl Fn(&str, Option<f64>) -> ControlFlow<()> + Send + Sync + 'static,
+    ) -> Self {
+        let mut hidden = Self::new(true);
+        hidden.listener = Some(Box::new(listener));
+        hidden
+    }
+
+    /// Whether the optimisation goes on.
+    pub(crate) fn goes_on(&self) -> ControlFlow<()> {
+        match self.is_stopped.load(Ordering::Relaxed) {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    }
+
+    fn tell(&self, what: &str, share: Option<f64>) {
+        if self.listener.as_ref().is_some_and(|listener| listener(what, share).is_break()) {
+            self.is_stopped.store(true, Ordering::Relaxed);
+        }
     }
 
     /// Of which part of the work all that follows is told.
@@ -44,6 +75,7 @@ impl Progress {
 
     /// What is being done now.
     pub(crate) fn stage(&self, what: &str) {
+        self.tell(what, None);
         if let Ok(style) = ProgressStyle::with_template("{spinner} {prefix}{msg}") {
             self.bar.set_style(style);
         }
@@ -67,6 +99,7 @@ impl Progress {
     pub(crate) fn optimize(&self, progress: optimize::Progress) {
         const STEPS: u64 = 1000;
         let optimize::Progress { iteration, change, tolerance, share_done, .. } = progress;
+        self.tell("optimizing", share_done);
         let Some(share) = share_done else {
             self.bar.set_message(format!(
                 "optimizing: iteration {iteration}, change {change:.1e}, until {tolerance:.0e}"

@@ -1,6 +1,5 @@
 //! The middle of every verb that makes a surface: shroud, check, write, judge.
 
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
@@ -75,7 +74,7 @@ pub(crate) fn produce(
         Some(path) => Some((path, View::usual().draw(&made.mesh, &made.lines)?)),
         None => None,
     };
-    let part = PartOf { name: String::new(), label: None, made: &mut made };
+    let part = PartOf::new(&mut made, String::new(), None);
     write(outputs.mesh, &mut [part], &source.lattice, &source.frame, job.frame, console)?;
     if let Some((path, picture)) = picture {
         write_picture(path, &picture)?;
@@ -104,11 +103,23 @@ pub(crate) fn make(
     // The check takes their room.
     drop((surface, delta));
     progress.stage("checking");
-    let checking = Instant::now();
-    let checks = certify(&mesh, &source.occupancy, job)?;
-    let mut report = Report::new(source, job, &optimization, times, &checks);
-    report.times.check = checking.elapsed().as_secs_f64();
+    let report = judge(&mesh, source, job, &optimization, times)?;
     Ok(Made { mesh, attributes, lines, report, optimization })
+}
+
+/// Checks a mesh and reports on it.
+pub(crate) fn judge(
+    mesh: &TriMesh,
+    source: &Source,
+    job: &Job,
+    optimization: &optimize::Report,
+    times: shrouds::Times,
+) -> Result<Report, Failure> {
+    let checking = Instant::now();
+    let checks = certify(mesh, &source.occupancy, job)?;
+    let mut report = Report::new(source, job, optimization, times, &checks);
+    report.times.check = checking.elapsed().as_secs_f64();
+    Ok(report)
 }
 
 /// Numbers for every vertex of a primal mesh.
@@ -133,11 +144,17 @@ pub(crate) fn shroud(
     job: &Job,
     progress: &Progress,
 ) -> Result<Shroud, Failure> {
+    require_surface(volume, job)?;
+    shroud_with(volume, &job.settings, progress)
+}
+
+/// Fails for a full volume that ends nowhere.
+pub(crate) fn require_surface(volume: &Occupancy, job: &Job) -> Result<(), Failure> {
     if job.settings.border == Border::Open && volume.count() == volume.grid().point_count() as u64 {
         let message = "there is no surface: every voxel is inside and the border is open; use --border closed or select less";
         return Err(Failure::Undone(message.into()));
     }
-    shroud_with(volume, &job.settings, progress)
+    Ok(())
 }
 
 /// The shroud of a volume that has a surface, made with these settings.
@@ -149,7 +166,7 @@ pub(crate) fn shroud_with(
     progress.stage("finding the surface");
     Ok(shroud_observed(volume, settings, &mut |now| {
         progress.optimize(now);
-        ControlFlow::Continue(())
+        progress.goes_on()
     })?)
 }
 
@@ -172,7 +189,15 @@ pub(crate) fn certify(
 pub(crate) struct PartOf<'a> {
     pub(crate) name: String,
     pub(crate) label: Option<i128>,
-    pub(crate) made: &'a mut Made,
+    pub(crate) mesh: &'a mut TriMesh,
+    /// Numbers per vertex with their names.
+    pub(crate) attributes: &'a [(&'static str, Vec<f32>)],
+}
+
+impl<'a> PartOf<'a> {
+    pub(crate) fn new(made: &'a mut Made, name: String, label: Option<i128>) -> Self {
+        Self { name, label, mesh: &mut made.mesh, attributes: &made.attributes }
+    }
 }
 
 /// Writes meshes from the same lattice to one file, in the coordinates that were chosen.
@@ -186,16 +211,16 @@ pub(crate) fn write(
 ) -> Result<(), Failure> {
     let mut spacing = lattice.min_spacing();
     if choice == FrameChoice::Index {
-        parts.iter_mut().for_each(|part| frame::to_index(&mut part.made.mesh, lattice));
+        parts.iter_mut().for_each(|part| frame::to_index(part.mesh, lattice));
         spacing = 1.0;
     }
     let frame = frame::name(choice, world);
-    let meshes: Vec<&TriMesh> = parts.iter().map(|part| &part.made.mesh).collect();
+    let meshes: Vec<&TriMesh> = parts.iter().map(|part| &*part.mesh).collect();
     let (options, warning) = frame::mesh_options(&meshes, mesh_format(path)?, frame, spacing);
     let numbers: Vec<Vec<shrouds_io::Attribute>> = parts
         .iter()
         .map(|part| {
-            let attributes = part.made.attributes.iter();
+            let attributes = part.attributes.iter();
             attributes.map(|(name, values)| shrouds_io::Attribute { name, values }).collect()
         })
         .collect();
@@ -205,7 +230,7 @@ pub(crate) fn write(
         .map(|(part, attributes)| Part {
             name: &part.name,
             label: part.label.and_then(|label| label.try_into().ok()),
-            mesh: &part.made.mesh,
+            mesh: part.mesh,
             attributes,
         })
         .collect();

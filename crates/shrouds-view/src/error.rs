@@ -70,6 +70,14 @@ pub enum Error {
     /// The PNG file could not be written.
     #[error("the PNG picture could not be written: {0}")]
     Png(#[from] png::EncodingError),
+    /// The system does not let the server of the test bed do its work.
+    #[error("{what} ({cause}); try again, or another port")]
+    Serve {
+        /// What could not be done.
+        what: String,
+        /// What the system says.
+        cause: String,
+    },
 }
 
 /// `Ok` when `good`, else the setting's error.

@@ -10,6 +10,8 @@
 //! [`Legend`] of them, a scale bar and a caption beside the picture; [`Picture::sheet`] puts several
 //! pictures on a contact sheet.
 //!
+//! With the feature `server` there is the test bed, too: `server` serves a page that draws in a browser.
+//!
 //! Images and their polygons, the method in two dimensions, are drawn as SVG by [`Plan`].
 //!
 //! ```
@@ -48,6 +50,8 @@ mod legend;
 mod figure;
 mod sheet;
 mod plan;
+#[cfg(feature = "server")]
+pub mod server;
 
 pub use camera::{Axis, Camera, Projection, View};
 pub use error::Error;

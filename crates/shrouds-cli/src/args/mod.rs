@@ -11,6 +11,7 @@ mod polygon;
 mod shroud;
 mod values;
 mod verbs;
+mod view;
 mod volume;
 
 use clap::{Args, Parser, Subcommand};
@@ -35,6 +36,7 @@ pub(crate) use values::{Every, Paint};
 pub(crate) use verbs::{
     AZIMUTH, CheckArgs, CompareArgs, DemoArgs, ELEVATION, InfoArgs, MeshArgs, RenderArgs, ViewArgs,
 };
+pub(crate) use view::TestBedArgs;
 pub(crate) use volume::{Reading, VolumeArgs};
 
 /// Smooth triangle surfaces that provably keep every voxel of a segmentation on its own side.
@@ -124,6 +126,9 @@ pub(crate) enum Verb {
     /// Where a target can be, from what a towed array has heard of it, contact by contact
     #[command(after_help = with_energies(contain::CONTAIN_HELP))]
     Contain(ContainArgs),
+    /// Open the test bed: choose, watch and measure in the browser
+    #[command(after_help = view::VIEW_HELP)]
+    View(TestBedArgs),
 }
 
 /// The end of a help text, and the energies there are.

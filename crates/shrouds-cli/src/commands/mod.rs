@@ -1,7 +1,7 @@
 //! What each verb does.
 
 mod check;
-mod compare;
+pub(crate) mod compare;
 mod contain;
 mod contours;
 mod demo;
@@ -15,6 +15,7 @@ mod pack;
 mod polygon;
 mod render;
 mod unpack;
+mod view;
 mod voxelize;
 
 use crate::args::{Cli, Verb};
@@ -44,5 +45,6 @@ pub(crate) fn run(cli: &Cli) -> Result<(), Failure> {
         Verb::Pack(args) => pack::run(args, console),
         Verb::Unpack(args) => unpack::run(args, console),
         Verb::Contain(args) => contain::run(args, console),
+        Verb::View(args) => view::run(args, cli.common.threads),
     }
 }

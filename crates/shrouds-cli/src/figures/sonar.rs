@@ -1,7 +1,5 @@
 //! Figures 9 to 11: where a target can be that a towed array hears.
 
-use std::path::Path;
-
 use shrouds::containment::{Extent, Membership, Step};
 use shrouds_view::Cell;
 
@@ -10,7 +8,7 @@ use super::{Claim, Data, Figure, Table, Verdict};
 use crate::console::grouped;
 use crate::failure::Failure;
 use crate::picture::View;
-use crate::scene::{Painter, Told, parse};
+use crate::scene::{self, Painter, Told};
 
 const REGION: [u8; 3] = [222, 184, 128];
 /// Pixels of a panel.
@@ -19,7 +17,7 @@ const SIZE: [u32; 2] = [560, 420];
 const CUBIC_KILOMETRE: f64 = 1e9;
 
 pub(super) fn figure_9(_: &Data) -> Result<Figure, Failure> {
-    let told = scene("figure9.toml", include_str!("../../../../examples/scenes/figure9.toml"))?;
+    let told = scene::example("figure9")?;
     figure(
         &told,
         Words {
@@ -32,7 +30,7 @@ pub(super) fn figure_9(_: &Data) -> Result<Figure, Failure> {
 }
 
 pub(super) fn figure_10(_: &Data) -> Result<Figure, Failure> {
-    let told = scene("figure10.toml", include_str!("../../../../examples/scenes/figure10.toml"))?;
+    let told = scene::example("figure10")?;
     figure(
         &told,
         Words {
@@ -45,7 +43,7 @@ pub(super) fn figure_10(_: &Data) -> Result<Figure, Failure> {
 }
 
 pub(super) fn figure_11(_: &Data) -> Result<Figure, Failure> {
-    let told = scene("figure11.toml", include_str!("../../../../examples/scenes/figure11.toml"))?;
+    let told = scene::example("figure11")?;
     figure(
         &told,
         Words {
@@ -64,10 +62,6 @@ struct Words {
     title: &'static str,
     paper: &'static str,
     data: &'static str,
-}
-
-fn scene(name: &str, text: &str) -> Result<Told, Failure> {
-    parse(Path::new(name), text)
 }
 
 /// The first, the middle and the last region, as far as there are so many.

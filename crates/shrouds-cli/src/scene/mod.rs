@@ -11,18 +11,21 @@ use shrouds::Grid;
 use shrouds::containment::{
     self, Contact, Depths, Floor, Scene, Sea, SoundSpeed, Terrain, Track, Waypoint,
 };
-use shrouds_io::{VolumeOptions, read_volume};
+use shrouds_io::{Frame, VolumeOptions, read_volume};
 use toml::Spanned;
 
 use crate::failure::Failure;
 
-pub(crate) use painter::Painter;
+pub(crate) use painter::{Painter, lines};
 use tables::{FloorTable, GridTable, PathName, SceneTable, SeaTable, SoundTable, SpacingValue};
 
 /// Largest scene file, in bytes.
 const LARGEST: u64 = 1 << 26;
 /// Speed of sound where a scene does not give it, in m/s.
 const SPEED: f64 = 1500.0;
+
+/// Scenes that come with the program: those of three figures of the paper.
+pub(crate) const EXAMPLES: [&str; 3] = ["figure9", "figure10", "figure11"];
 
 /// What a scene file tells.
 pub(crate) struct Told {
@@ -35,6 +38,11 @@ pub(crate) struct Told {
 struct Source<'a> {
     path: &'a Path,
     text: &'a str,
+}
+
+/// The world of a scene: x east, y north, z up.
+pub(crate) fn frame() -> Frame {
+    Frame { name: "ENU".into(), unit: "m".into(), source: "options" }
 }
 
 /// Reads a scene.
@@ -51,8 +59,22 @@ pub(crate) fn read(path: &Path) -> Result<Told, Failure> {
     parse(path, &text)
 }
 
+/// The scene of one of [`EXAMPLES`].
+pub(crate) fn example(name: &str) -> Result<Told, Failure> {
+    let text = match name {
+        "figure9" => include_str!("../../../../examples/scenes/figure9.toml"),
+        "figure10" => include_str!("../../../../examples/scenes/figure10.toml"),
+        "figure11" => include_str!("../../../../examples/scenes/figure11.toml"),
+        _ => {
+            let known = EXAMPLES.join(", ");
+            return Err(Failure::Call(format!("there is no scene '{name}'; there are {known}")));
+        }
+    };
+    parse(Path::new(&format!("{name}.toml")), text)
+}
+
 /// The scene of a text that is known by a path.
-pub(crate) fn parse(path: &Path, text: &str) -> Result<Told, Failure> {
+fn parse(path: &Path, text: &str) -> Result<Told, Failure> {
     let source = Source { path, text };
     let table: SceneTable = toml::from_str(text)
         .map_err(|error| source.wrong(error.span().unwrap_or(0..0), error.message(), true))?;

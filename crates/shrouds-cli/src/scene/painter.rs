@@ -34,12 +34,8 @@ impl Painter {
     pub(crate) fn new(told: &Told, view: View, region: [u8; 3]) -> Self {
         let sea = told.scene.sea();
         let (floor, floor_colours) = floor(sea);
-        let [low, high] = corners(sea);
-        let mark = 0.02 * (high[0] - low[0]).hypot(high[1] - low[1]);
-        let mut lines =
-            vec![wide(outline(sea), SURFACE, 1.5), wide(way(told.scene.track()), WAY, 2.5)];
-        lines.extend(told.truth.as_ref().map(|track| wide(way(track), TRUTH, 2.5)));
-        Self { view, region, floor, floor_colours, lines, truth: told.truth.clone(), mark }
+        let (lines, truth, mark) = (ways(told), told.truth.clone(), mark(sea));
+        Self { view, region, floor, floor_colours, lines, truth, mark }
     }
 
     /// The region's surface, the floor, the ways, and where array and target are.
@@ -51,19 +47,46 @@ impl Painter {
         mesh.normals.extend_from_slice(&region.normals);
         let mut colours = self.floor_colours.clone();
         colours.resize(mesh.vertices.len(), self.region);
-        let [x, y] = step.array.position;
-        let array = [x, y, -step.array.depth];
-        let [east, north] = step.array.axis.map(|part| 5.0 * self.mark * part);
-        let mut marks = vec![wide(cross(array, self.mark), ARRAY, 3.0)];
-        marks[0].segments.push([[x - east, y - north, array[2]], [x + east, y + north, array[2]]]);
-        if let Some(place) = self.truth.as_ref().and_then(|truth| truth.at(step.time)) {
-            let [x, y] = place.position;
-            marks.push(wide(cross([x, y, -place.depth], self.mark), TRUTH, 3.0));
-        }
+        let marks = marks(step, self.truth.as_ref(), self.mark);
         let scene = Scene::new(&mesh).colours(Colours::PerVertex(&colours));
         let scene = self.lines.iter().chain(&marks).fold(scene, Scene::lines);
         self.view.draw_scene(&scene)
     }
+}
+
+/// All lines of a step: the edge of the sea, the ways, and marks where array and target are.
+pub(crate) fn lines(told: &Told, step: &Step) -> Vec<LineSet> {
+    let mut lines = ways(told);
+    lines.extend(marks(step, told.truth.as_ref(), mark(told.scene.sea())));
+    lines
+}
+
+/// Length of marks, in metres.
+fn mark(sea: &Sea) -> f64 {
+    let [low, high] = corners(sea);
+    0.02 * (high[0] - low[0]).hypot(high[1] - low[1])
+}
+
+/// What is the same in every step.
+fn ways(told: &Told) -> Vec<LineSet> {
+    let edge = outline(told.scene.sea());
+    let mut lines = vec![wide(edge, SURFACE, 1.5), wide(way(told.scene.track()), WAY, 2.5)];
+    lines.extend(told.truth.as_ref().map(|track| wide(way(track), TRUTH, 2.5)));
+    lines
+}
+
+/// Where array and target are.
+fn marks(step: &Step, truth: Option<&Track>, mark: f64) -> Vec<LineSet> {
+    let [x, y] = step.array.position;
+    let array = [x, y, -step.array.depth];
+    let [east, north] = step.array.axis.map(|part| 5.0 * mark * part);
+    let mut marks = vec![wide(cross(array, mark), ARRAY, 3.0)];
+    marks[0].segments.push([[x - east, y - north, array[2]], [x + east, y + north, array[2]]]);
+    if let Some(place) = truth.and_then(|truth| truth.at(step.time)) {
+        let [x, y] = place.position;
+        marks.push(wide(cross([x, y, -place.depth], mark), TRUTH, 3.0));
+    }
+    marks
 }
 
 fn wide(segments: Vec<[[f64; 3]; 2]>, colour: [u8; 3], width: f32) -> LineSet {

@@ -23,3 +23,4 @@ mod mesh;
 mod pack;
 mod polygon;
 mod verbs;
+mod view;

@@ -119,7 +119,7 @@ fn render_draws_meshes_and_volumes() {
 #[test]
 fn help_has_an_example_for_every_verb() {
     let folder = Folder::new();
-    for verb in ["demo", "mesh", "check", "info", "render", "compare", "polygon"] {
+    for verb in ["demo", "mesh", "check", "info", "render", "compare", "polygon", "view"] {
         let help = folder.succeed(&format!("{verb} --help"));
         assert!(
             help.contains("Example") && help.contains(&format!("\n  shrouds {verb} ")),
@@ -127,7 +127,7 @@ fn help_has_an_example_for_every_verb() {
         );
         assert!(help.contains("--threads") && help.contains("--quiet"), "{verb}");
         assert!(folder.succeed("--help").contains(verb));
-        let makes_shrouds = !["check", "info"].contains(&verb);
+        let makes_shrouds = !["check", "info", "view"].contains(&verb);
         for entry in shrouds::energy::catalogue() {
             let is_its = |line: &&str| {
                 line.strip_prefix("  ").is_some_and(|line| line.starts_with(entry.name))

@@ -113,6 +113,14 @@ impl Values {
         with_values!(self, v => whole(v))
     }
 
+    /// The values at these places as floats.
+    ///
+    /// # Panics
+    /// When there is no such place.
+    pub fn at(&self, places: impl Iterator<Item = usize>) -> Vec<f64> {
+        with_values!(self, v => places.map(|place| v[place].as_f64()).collect())
+    }
+
     /// Every value as a float.
     pub fn to_f64(&self) -> Vec<f64> {
         with_values!(self, v => v.iter().map(|value| value.as_f64()).collect())

@@ -21,7 +21,8 @@ use crate::progress::Progress;
 use crate::report::Input;
 use crate::settings::{Job, SettingsReport};
 use crate::truth::Body;
-use row::{Outcome, Row};
+use row::Outcome;
+pub(crate) use row::Row;
 use sheet::Sheet;
 
 /// What an input that is no file begins with.
@@ -30,9 +31,9 @@ const PHANTOM: &str = "demo:";
 const PRESET: &str = "preset";
 
 /// One energy to be compared.
-struct Candidate {
+pub(crate) struct Candidate {
     /// What it is called in the table.
-    name: String,
+    pub(crate) name: String,
     job: Job,
 }
 
@@ -52,7 +53,7 @@ struct Comparison {
 }
 
 pub(crate) fn run(args: &CompareArgs, console: Console) -> Result<(), Failure> {
-    let candidates = candidates(args)?;
+    let candidates = candidates(args.energies.as_deref(), &args.solve)?;
     let phantom = phantom_name(args)?;
     check_files(args, phantom)?;
     let progress = Progress::new(console.quiet);
@@ -84,12 +85,12 @@ pub(crate) fn run(args: &CompareArgs, console: Console) -> Result<(), Failure> {
 }
 
 /// The energies in the order they were asked for, each once.
-fn candidates(args: &CompareArgs) -> Result<Vec<Candidate>, Failure> {
-    let mut solve = args.solve.clone();
+pub(crate) fn candidates(list: Option<&str>, solve: &SolveArgs) -> Result<Vec<Candidate>, Failure> {
+    let mut solve = solve.clone();
     if solve.solver == Solver::Newton {
         solve.preset = solve.preset.or(Some(Preset::Exact));
     }
-    let texts: Vec<String> = match &args.energies {
+    let texts: Vec<String> = match list {
         Some(list) => {
             let texts = list.split(';').map(str::trim).filter(|text| !text.is_empty());
             texts.map(str::to_owned).collect()
@@ -103,7 +104,7 @@ fn candidates(args: &CompareArgs) -> Result<Vec<Candidate>, Failure> {
     }
     let mut candidates: Vec<Candidate> = Vec::new();
     for text in texts {
-        let candidate = Candidate::new(&text, &solve, args.energies.is_some())?;
+        let candidate = Candidate::new(&text, &solve, list.is_some())?;
         if candidates.iter().all(|other| other.name != candidate.name) {
             candidates.push(candidate);
         }

@@ -18,7 +18,7 @@ use crate::work;
 use shrouds_report::looks::{difference, largest_move, roughness};
 
 #[derive(Serialize)]
-pub(super) struct Row {
+pub(crate) struct Row {
     /// What it is called in the table.
     #[serde(skip)]
     pub(super) name: String,
@@ -92,7 +92,7 @@ struct RandomStart {
 
 impl Row {
     /// The row of an energy, and its shroud unless that failed.
-    pub(super) fn new(
+    pub(crate) fn new(
         candidate: &Candidate,
         source: &Source,
         body: Option<&Body>,

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use shrouds::containment::{Membership, Step};
-use shrouds_io::{Frame, Part, mesh_format, write_meshes, write_volume};
+use shrouds_io::{Part, mesh_format, write_meshes, write_volume};
 
 use crate::args::{ContainArgs, FrameChoice, Paint};
 use crate::console::{Console, print_json};
@@ -98,7 +98,7 @@ impl Work<'_> {
         work::converged(&shroud.report, self.job, console)?;
         self.progress.stage("writing");
         let picture = self.painter.draw(step, &shroud.mesh)?;
-        write_volume(&written.volume, &step.region, &frame())?;
+        write_volume(&written.volume, &step.region, &scene::frame())?;
         write_mesh(&written.mesh, &shroud.mesh, step.region.grid().min_spacing())?;
         write_picture(&written.picture, &picture)?;
         Ok((ShroudReport::new(&shroud, &checks, seconds), written))
@@ -106,12 +106,7 @@ impl Work<'_> {
 }
 
 fn write_mesh(path: &Path, mesh: &shrouds::TriMesh, spacing: f64) -> Result<(), Failure> {
-    let (options, _) = mesh_options(&[mesh], mesh_format(path)?, frame(), spacing);
+    let (options, _) = mesh_options(&[mesh], mesh_format(path)?, scene::frame(), spacing);
     let part = Part { name: "", label: None, mesh, attributes: &[] };
     Ok(write_meshes(path, &[part], &options)?)
-}
-
-/// x east, y north, z up.
-fn frame() -> Frame {
-    Frame { name: "ENU".into(), unit: "m".into(), source: "options" }
 }

@@ -1,0 +1,115 @@
+//! A surface in numbers: measures, sizes, the report and the call that makes the same.
+
+use serde_json::{Map, Value, json};
+use shrouds::Shroud;
+use shrouds::volume::{Border, FaceRule};
+use shrouds_codec::{Planes, Settings, geometry, pack_with_planes};
+use shrouds_report::looks::roughness;
+
+use super::request::ViewNumber;
+use super::surface::Surface;
+use super::typed;
+use super::volumes::Name;
+use super::worker::{Ended, Worker};
+use crate::failure::Failure;
+use crate::report::{Report, peak_memory};
+use crate::work;
+
+/// For how many bits a vertex the size of a packed file is told.
+const BITS: [u8; 5] = [0, 1, 2, 4, 8];
+
+impl Worker {
+    pub(super) fn numbers(&self, id: u64, view: ViewNumber, bits: bool) -> Result<(), Ended> {
+        let surface = self.surface(view)?;
+        self.page.progress("measuring", None);
+        let shroud = surface.now();
+        let report = judged(surface, &shroud)?;
+        let Report { topology, geometry, checks, times, .. } = &report;
+        let is_manifold =
+            [checks.non_manifold_edges, checks.non_manifold_vertices, checks.inconsistent_edges]
+                .iter()
+                .all(|count| *count == 0);
+        self.answer(
+            id,
+            &json!({
+                "vertices": topology.vertices,
+                "triangles": topology.triangles,
+                "components": topology.components,
+                "euler": topology.euler,
+                "volume": geometry.volume,
+                "voxel_volume": geometry.voxel_volume,
+                "true_volume": geometry.true_volume,
+                "area": geometry.area,
+                "true_area": geometry.true_area,
+                "wrong_side": checks.wrong_side,
+                "manifold": is_manifold,
+                "ok": checks.ok,
+                "problems": checks.problems,
+                "roughness": roughness(&shroud.mesh),
+                "bits": if bits { sizes(surface, &shroud)? } else { Value::Null },
+                "times": times,
+            }),
+        )
+    }
+
+    pub(super) fn report(&self, id: u64, view: ViewNumber) -> Result<(), Ended> {
+        let surface = self.surface(view)?;
+        let mut report = judged(surface, &*surface.result()?)?;
+        let times = &mut report.times;
+        times.total = times.read + times.surface + times.optimize + times.mesh + times.check;
+        report.memory = peak_memory();
+        self.answer(id, &json!({ "report": report }))
+    }
+
+    pub(super) fn command(&self, id: u64, view: ViewNumber) -> Result<(), Ended> {
+        let surface = self.surface(view)?;
+        let settings = surface.typed.words.iter().map(String::as_str);
+        let reading = surface.words.iter().map(String::as_str);
+        let command = match &surface.name {
+            Name::Demo(name, size) => {
+                let size = format!("--size={size}");
+                typed::quoted(["shrouds", "demo", name, &size].into_iter().chain(settings))
+            }
+            Name::File(path) => {
+                let words = ["shrouds", "mesh", path].into_iter().chain(reading).chain(settings);
+                typed::quoted(words.chain(["-o", "mesh.ply"]))
+            }
+            Name::Made(_) => {
+                let words = ["shrouds", "mesh", "volume.nii.gz"].into_iter().chain(settings);
+                typed::quoted(words.chain(["-o", "mesh.ply"]))
+            }
+        };
+        let note = matches!(surface.name, Name::Made(_))
+            .then_some("export the volume first, as volume.nii.gz: it was made or changed here");
+        self.answer(id, &json!({ "command": command, "note": note }))
+    }
+}
+
+fn judged(surface: &Surface, shroud: &Shroud) -> Result<Report, Failure> {
+    work::judge(&shroud.mesh, &surface.source, &surface.job, &shroud.report, shroud.times)
+}
+
+/// Bytes of the packed file by the bits that each vertex has in it.
+fn sizes(surface: &Surface, shroud: &Shroud) -> Result<Value, Failure> {
+    let mut sizes = Map::new();
+    for bits in BITS {
+        sizes.insert(bits.to_string(), packed(surface, shroud, bits)?.len().into());
+    }
+    Ok(sizes.into())
+}
+
+/// The volume and so many bits for the place of every vertex as `shrouds pack` puts them into a file.
+pub(super) fn packed(surface: &Surface, shroud: &Shroud, bits: u8) -> Result<Vec<u8>, Failure> {
+    let planes = match bits {
+        0 => Planes::default(),
+        _ => geometry::encode(&shroud.surface, &shroud.delta, bits.into())?,
+    };
+    let (faces, border): (FaceRule, Border) =
+        (surface.job.settings.faces, surface.job.settings.border);
+    let frame = &surface.source.frame;
+    let (space, unit) = (frame.name.clone(), frame.unit.clone());
+    let settings = Settings { faces, border, space, unit, ..Settings::default() };
+    let mut bytes = Vec::new();
+    pack_with_planes(&surface.source.occupancy, &settings, &planes, &mut bytes)?;
+    Ok(bytes)
+}

@@ -1,0 +1,302 @@
+//! Who does what takes time, one request after the other.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::sync::mpsc::Receiver;
+use std::thread::JoinHandle;
+
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use serde_json::{Value, json};
+use shrouds::energy::{Parameter, catalogue};
+use shrouds::volume::phantom::NAMES;
+use shrouds_view::server::{Closed, Files};
+
+use super::control::{Control, Wish};
+use super::export;
+use super::look;
+use super::page::Page;
+use super::request::{Origin, Request, Settings, Slot, Task, ViewNumber};
+use super::scene::Sonar;
+use super::solver::Solver;
+use super::surface::Surface;
+use super::typed::{self, Typed};
+use super::volumes::{self, Data};
+use super::{Host, VIEWS};
+use crate::args::FrameChoice;
+use crate::energies;
+use crate::failure::Failure;
+use crate::phantom;
+use crate::scene;
+
+/// The volumes and surfaces of a session.
+pub(super) struct Worker {
+    pub(super) page: Page,
+    pub(super) files: Files,
+    controls: [Arc<Control>; VIEWS],
+    slots: [Option<Data>; Slot::COUNT],
+    views: [Option<View>; VIEWS],
+    /// How many surfaces there were.
+    revisions: u32,
+    /// Files that the page may fetch.
+    pub(super) exports: VecDeque<String>,
+    pub(super) sonar: Option<Sonar>,
+    input: Value,
+    threads: usize,
+}
+
+/// A surface and its solver.
+struct View {
+    surface: Arc<Surface>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// Why a request has no answer: it was refused, or there is nobody to tell.
+pub(super) enum Ended {
+    Refused(Failure),
+    Closed,
+}
+
+impl<F: Into<Failure>> From<F> for Ended {
+    fn from(failure: F) -> Self {
+        Self::Refused(failure.into())
+    }
+}
+
+impl Worker {
+    pub(super) fn new(
+        page: Page,
+        files: Files,
+        controls: [Arc<Control>; VIEWS],
+        host: &Host,
+    ) -> Self {
+        Self {
+            page,
+            files,
+            controls,
+            slots: Default::default(),
+            views: Default::default(),
+            revisions: 0,
+            exports: VecDeque::new(),
+            sonar: None,
+            input: host.input.clone(),
+            threads: host.threads,
+        }
+    }
+
+    /// Works until the session is over.
+    pub(super) fn work(mut self, requests: &Receiver<Request>) {
+        let pool = ThreadPoolBuilder::new().num_threads(self.threads).build();
+        while let Ok(request) = requests.recv() {
+            let Request { id, task } = request;
+            let done = match &pool {
+                Ok(pool) => self.in_pool(pool, id, task),
+                Err(cause) => self.page.refuse(id, &format!("there are no threads ({cause})")),
+            };
+            if done.is_err() {
+                break;
+            }
+        }
+        self.forget_exports();
+    }
+
+    fn in_pool(&mut self, pool: &ThreadPool, id: u64, task: Task) -> Result<(), Closed> {
+        match pool.install(|| self.perform(id, task)) {
+            Ok(()) => Ok(()),
+            Err(Ended::Refused(failure)) => self.page.refuse(id, failure.message()),
+            Err(Ended::Closed) => Err(Closed),
+        }
+    }
+
+    fn perform(&mut self, id: u64, task: Task) -> Result<(), Ended> {
+        match task {
+            Task::Hello {} => self.answer(id, &self.hello()),
+            Task::Open { slot, source } => self.open(id, slot, source),
+            Task::Select { slot, labels, threshold } => {
+                let words = volumes::selection(labels, threshold)?;
+                let data = self.data(slot)?.select_again(&words)?;
+                self.put(id, slot, data)
+            }
+            Task::Combine { operation, a, b, into } => {
+                let data = volumes::combined(operation.0, self.data(a)?, self.data(b)?)?;
+                self.put(id, into, data)
+            }
+            Task::Offset { slot, by, into } => {
+                let data = volumes::offset(self.data(slot)?, by)?;
+                self.put(id, into, data)
+            }
+            Task::Shroud { view, slot, settings } => self.shroud(id, view, slot, &settings),
+            Task::Run { view } | Task::Step { view } => self.run(id, view),
+            Task::Reset { view } => self.reset(id, view),
+            Task::Numbers { view, bits } => self.numbers(id, view, bits),
+            Task::Report { view } => self.report(id, view),
+            Task::Command { view } => self.command(id, view),
+            Task::Pick { view, vertex } => self.pick(id, view, vertex),
+            Task::Colours { view, field, range } => self.colours(id, view, &field, range),
+            Task::Contours { view, axis, every } => self.contours(id, view, axis.0, every),
+            Task::Points { slot, near } => self.points(id, slot, near),
+            Task::Slice { slot, axis, index } => self.slice(id, slot, axis.0, index),
+            Task::Brush { slot, add, centre, radius } => self.brush(id, slot, add, centre, radius),
+            Task::Undo { slot } => self.undo(id, slot),
+            Task::Redo { slot } => self.redo(id, slot),
+            Task::Export { view, format, frame } => {
+                let frame = frame.map_or(FrameChoice::World, |frame| frame.0);
+                self.export(id, view, &format, frame)
+            }
+            Task::Compare { slot, energies, settings } => {
+                self.compare(id, slot, &energies, &settings)
+            }
+            Task::Scene(source) => self.scene(id, &source),
+            Task::SceneStep { step, into } => self.scene_step(id, step, into),
+            // These are for the solver, which has been told.
+            Task::Pause { .. } | Task::Cancel { .. } | Task::Ack { .. } => Ok(()),
+        }
+    }
+
+    pub(super) fn answer(&self, id: u64, ok: &Value) -> Result<(), Ended> {
+        self.page.answer(id, ok).map_err(|_| Ended::Closed)
+    }
+
+    pub(super) fn data(&self, slot: Slot) -> Result<&Data, Failure> {
+        self.slots[slot.index()].as_ref().ok_or_else(|| {
+            Failure::Call(format!("slot {} is empty: open a volume first", slot.name()))
+        })
+    }
+
+    pub(super) fn data_mut(&mut self, slot: Slot) -> Result<&mut Data, Failure> {
+        self.data(slot)?;
+        self.slots[slot.index()].as_mut().ok_or_else(|| Failure::Call("the slot is empty".into()))
+    }
+
+    pub(super) fn surface(&self, view: ViewNumber) -> Result<&Arc<Surface>, Failure> {
+        self.views[view.index()].as_ref().map(|view| &view.surface).ok_or_else(|| {
+            Failure::Call(format!("view {} is empty: make a shroud first", view.number()))
+        })
+    }
+
+    fn hello(&self) -> Value {
+        let energies = catalogue().iter().map(|entry| {
+            json!({
+                "name": entry.name,
+                "arguments": entry.arguments,
+                "summary": entry.summary,
+                "keeps_thin_parts": entry.keeps_thin_parts,
+            })
+        });
+        let demos =
+            NAMES.iter().map(|name| json!({ "name": name, "size": phantom::size(name, None) }));
+        json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "choices": typed::choices(),
+            "energies": energies.collect::<Vec<_>>(),
+            "parameters": Parameter::ALL.map(Parameter::name),
+            "demos": demos.collect::<Vec<_>>(),
+            "fields": look::fields(),
+            "formats": export::FORMATS,
+            "scenes": scene::EXAMPLES,
+            "input": self.input,
+            "threads": rayon::current_num_threads(),
+        })
+    }
+
+    fn open(&mut self, id: u64, slot: Slot, source: Origin) -> Result<(), Ended> {
+        let data = Data::open(source, &self.files, &self.page)?;
+        self.put(id, slot, data)
+    }
+
+    pub(super) fn put(&mut self, id: u64, slot: Slot, data: Data) -> Result<(), Ended> {
+        let about = json!({ "volume": data.about(slot) });
+        self.slots[slot.index()] = Some(data);
+        self.answer(id, &about)
+    }
+
+    fn shroud(
+        &mut self,
+        id: u64,
+        view: ViewNumber,
+        slot: Slot,
+        settings: &Settings,
+    ) -> Result<(), Ended> {
+        let typed = Typed::read(settings)?;
+        let surface = self.begin(view, slot, typed, None)?;
+        self.answer(id, &surface.about())?;
+        surface.send_start(&self.page).map_err(|_| Ended::Closed)
+    }
+
+    /// Puts the surface of a volume into a view, in place of the one that was there.
+    pub(super) fn begin(
+        &mut self,
+        view: ViewNumber,
+        slot: Slot,
+        typed: Typed,
+        before: Option<&Surface>,
+    ) -> Result<Arc<Surface>, Failure> {
+        let data = self.data(slot)?;
+        self.page.progress("finding the surface", None);
+        let surface = Surface::begin(view, self.revisions + 1, slot, data, typed, before)?;
+        let surface = Arc::new(surface);
+        if let Some(names) = energies::destructive(&surface.job.energy()) {
+            self.page
+                .warn(&format!("{names} may destroy parts one voxel thin; bending keeps them"));
+        }
+        self.stop(view);
+        self.revisions += 1;
+        self.views[view.index()] = Some(View { surface: surface.clone(), thread: None });
+        Ok(surface)
+    }
+
+    /// The views that show a surface of a volume.
+    pub(super) fn views_on(&self, slot: Slot) -> Vec<ViewNumber> {
+        let surfaces = self.views.iter().flatten().map(|view| &view.surface);
+        surfaces.filter(|surface| surface.slot == slot).map(|surface| surface.view).collect()
+    }
+
+    /// Makes the surface of a view anew, of the volume as it is now.
+    pub(super) fn begin_again(&mut self, view: ViewNumber) -> Result<Arc<Surface>, Failure> {
+        let before = self.surface(view)?.clone();
+        self.begin(view, before.slot, before.typed.clone(), Some(&before))
+    }
+
+    /// Ends the work of a view and waits until it has ended.
+    fn stop(&mut self, view: ViewNumber) {
+        self.controls[view.index()].end();
+        let thread = self.views[view.index()].as_mut().and_then(|view| view.thread.take());
+        // A solver that broke down has said so itself.
+        let _ = thread.map(JoinHandle::join);
+    }
+
+    /// Lets the solver go on, or begins anew after its end.
+    fn run(&mut self, id: u64, view: ViewNumber) -> Result<(), Ended> {
+        let surface = self.surface(view)?.clone();
+        self.answer(id, &json!({}))?;
+        let is_running = self.views[view.index()]
+            .as_ref()
+            .and_then(|view| view.thread.as_ref())
+            .is_some_and(|thread| !thread.is_finished());
+        if !is_running && self.controls[view.index()].wished() != Wish::Cancel {
+            self.begin_solver(surface);
+        }
+        Ok(())
+    }
+
+    fn begin_solver(&mut self, surface: Arc<Surface>) {
+        let view = surface.view.index();
+        let (control, page) = (self.controls[view].clone(), self.page.clone());
+        let thread = Solver { surface, control, page, threads: self.threads }.begin();
+        if let Some(view) = &mut self.views[view] {
+            view.thread = Some(thread);
+        }
+    }
+
+    /// Runs the solver of a surface that follows another one.
+    pub(super) fn solve(&mut self, surface: Arc<Surface>) {
+        self.controls[surface.view.index()].wish(Wish::Run);
+        self.begin_solver(surface);
+    }
+
+    fn reset(&mut self, id: u64, view: ViewNumber) -> Result<(), Ended> {
+        let surface = self.surface(view)?.clone();
+        self.stop(view);
+        self.answer(id, &json!({}))?;
+        surface.reset(&self.page).map_err(|_| Ended::Closed)
+    }
+}

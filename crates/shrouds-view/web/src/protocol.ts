@@ -1,0 +1,117 @@
+// What the messages of the server hold. docs/test-bed.md describes them.
+
+export interface Choice {
+  default: string | number | null;
+  help: string;
+  /** Where it stands among the others. */
+  order?: number;
+  values?: { value: string; help: string }[];
+  range?: [number, number];
+  /** Takes other values too. */
+  text?: boolean;
+  /** Has no value: given or not. */
+  flag?: boolean;
+}
+
+/** What `open` reads. */
+export type Source = { demo: string; size?: number } | { path: string } | { upload: string };
+
+export interface Hello {
+  version: string;
+  choices: Record<string, Choice>;
+  energies: { name: string; arguments: string; summary: string }[];
+  parameters: string[];
+  fields: { name: string; help: string }[];
+  formats: string[];
+  demos: { name: string; size: number }[];
+  /** Names of examples of sonar scenes. */
+  scenes: string[];
+  input: Source | null;
+}
+
+export interface Label {
+  value: number;
+  name?: string | null;
+  count: number;
+  colour: string;
+}
+
+export interface Volume {
+  slot: Slot;
+  name: string;
+  dims: [number, number, number];
+  spacing: [number, number, number];
+  /** Index to world, four rows of four. */
+  affine: number[] | number[][] | null;
+  frame: string;
+  unit: string | null;
+  inside: number;
+  labels: Label[] | null;
+  range: [number, number] | null;
+  /** What is inside, in words. */
+  selected: string;
+  warnings: string[];
+}
+
+export type Slot = "a" | "b" | "c";
+
+export interface Surface {
+  view: number;
+  revision: number;
+  vertices: number;
+  triangles: number;
+  components: number;
+  /** Of the start. */
+  energy: number | null;
+}
+
+export type SolverState = "running" | "paused" | "done" | "cancelled";
+
+export interface SolverEvent {
+  view: number;
+  state: SolverState;
+  status: string | null;
+  iteration: number;
+  energy: number | null;
+  gradient: number | null;
+  largest_move: number | null;
+  /** What the stop rule looks at, and where it stops. */
+  change: number | null;
+  tolerance: number | null;
+  seconds: number;
+  share: number | null;
+}
+
+export interface Numbers {
+  volume: number | null;
+  area: number;
+  wrong_side: number;
+  manifold: boolean;
+  components: number;
+  roughness: number | null;
+  bits: Record<string, number> | null;
+  times: Record<string, number>;
+  vertices: number;
+  triangles: number;
+}
+
+export interface Picked {
+  /** The axis of the grid edge and its two ends, in voxel indices. */
+  edge: { axis: number; inside: [number, number, number]; outside: [number, number, number] };
+  delta: number;
+  /** In lattice coordinates, and in those of the file. */
+  position: [number, number, number];
+  world: [number, number, number];
+  normal: [number, number, number];
+  neighbours: (number | null)[];
+  /** On either curve. */
+  rho: (number | null)[];
+  curvature: Record<string, number>;
+}
+
+export interface Colouring {
+  low: number;
+  high: number;
+  unit?: string | null;
+  legend: [number, string][];
+}
