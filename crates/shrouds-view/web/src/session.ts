@@ -242,7 +242,7 @@ export class Session {
   async control(view: number, what: "run" | "step" | "pause" | "reset" | "cancel"): Promise<void> {
     const model = this.views[view];
     if (!model?.surface) return;
-    if (what === "run" || what === "step") Object.assign(model, { settled: false, problem: "" });
+    if (what === "run" || what === "step") Object.assign(model, { settled: false, problem: "", numbers: undefined });
     const anew = what === "reset" || (what !== "pause" && ["done", "cancelled"].includes(model.state));
     if (anew && what !== "cancel") Object.assign(model, { history: startOf(model.surface), iteration: 0 });
     if (what === "reset") {

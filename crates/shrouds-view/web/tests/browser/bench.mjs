@@ -101,6 +101,26 @@ export class Bench {
     return (await this.view(index)).numbers;
   }
 
+  /** A place on the page well within the picture of the surface: the middle of its widest row. */
+  async onSurface() {
+    // Until the picture has come to rest.
+    await this.page.waitForTimeout(1000);
+    const { x, y } = await this.page.locator("#canvas").boundingBox();
+    const [right, down] = await this.page.evaluate(() => {
+      const { clientWidth, clientHeight } = document.getElementById("canvas");
+      let [best, place] = [0, [0, 0]];
+      for (let y = 20; y < clientHeight; y += 40) {
+        let run = 0;
+        for (let x = 10; x < clientWidth; x += 10) {
+          run = window.shrouds.stage.hit(x, y) ? run + 1 : 0;
+          if (run > best) [best, place] = [run, [x - 5 * run, y]];
+        }
+      }
+      return place;
+    });
+    return [x + right, y + down];
+  }
+
   /** How much of the picture differs from one before, as a share of its pixels. */
   async changed(doing) {
     const before = await this.pixels();

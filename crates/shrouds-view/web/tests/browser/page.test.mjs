@@ -71,16 +71,7 @@ test("each overlay changes the picture", async () => {
 
 test("a vertex can be picked", async () => {
   await bench.open(TORI);
-  const box = await bench.page.locator("#canvas").boundingBox();
-  const place = await bench.page.evaluate(() => {
-    const canvas = document.getElementById("canvas");
-    const { stage } = window.shrouds;
-    for (let x = 10; x < canvas.clientWidth; x += 10) {
-      for (let y = 10; y < canvas.clientHeight; y += 40) if (stage.hit(x, y)) return [x, y];
-    }
-  });
-  assert.ok(place, "the surface is somewhere on the canvas");
-  await bench.page.mouse.click(box.x + place[0], box.y + place[1]);
+  await bench.page.mouse.click(...(await bench.onSurface()));
   await bench.page.locator("dt", { hasText: "grid edge" }).waitFor();
 });
 
@@ -106,14 +97,7 @@ test("the brush adds voxels, and undo takes them back", async () => {
   await bench.open(`${TORI}&brush=true&brush-radius=2`);
   const inside = () => bench.page.evaluate(() => window.shrouds.session.volume.inside);
   const first = await inside();
-  const box = await bench.page.locator("#canvas").boundingBox();
-  const place = await bench.page.evaluate(() => {
-    const { clientWidth, clientHeight } = document.getElementById("canvas");
-    for (let x = 10; x < clientWidth; x += 10) {
-      for (let y = 10; y < clientHeight; y += 40) if (window.shrouds.stage.hit(x, y)) return [x, y];
-    }
-  });
-  await bench.page.mouse.move(box.x + place[0], box.y + place[1]);
+  await bench.page.mouse.move(...(await bench.onSurface()));
   await bench.page.mouse.down();
   await bench.page.waitForFunction((old) => window.shrouds.session.volume.inside > old, first);
   await bench.page.mouse.up();
