@@ -66,7 +66,7 @@ const ARROWS: &[(&str, &[&str])] = &[
         "materials",
         &[
             "grid", "volume", "surface", "energy", "optimize", "mesh", "pipeline", "error",
-            "parallel", "random", "vector",
+            "parallel", "random", "vector", "settings",
         ],
     ),
     // Of two bodies that touch: shrouds of their own, measured.

@@ -59,7 +59,7 @@ pub(super) fn optimize(interfaces: &Interfaces, settings: &Settings) -> Result<O
     settings.validate()?;
     let bounds = [settings.margin, 1.0 - settings.margin];
     let network = Network::trace(interfaces);
-    let mut x = start::positions(interfaces, settings.start, bounds);
+    let mut x = start::positions(interfaces, &settings.start, bounds);
     x.resize(network.unknown_count(), 0.5);
     let mut solver = Solver {
         interfaces,

@@ -9,6 +9,7 @@ use crate::materials::mesh::MaterialMesh;
 use crate::materials::optimize::{Optimum, Report, optimize};
 use crate::optimize::{Preset, Start};
 use crate::pipeline::{self, Times};
+use crate::settings;
 use crate::volume::{FaceRule, Occupancy};
 
 /// What a caller can choose.
@@ -19,7 +20,7 @@ pub struct Settings {
     pub faces: FaceRule,
     /// How much work goes into the minimum. Default [`Preset::Default`].
     pub preset: Preset,
-    /// Where the crossings start. Default [`Start::Blur`].
+    /// Where the crossings start; not given. Default [`Start::Blur`].
     pub start: Start,
     /// All unknowns stay within `[margin, 1 − margin]`, so that no vertex touches a lattice point and no
     /// junction the border of its face. Range [1e-6, 0.1]; default 0.002.
@@ -54,16 +55,21 @@ impl Settings {
         if !(self.tolerance > 0.0 && self.tolerance < 1.0) {
             return refuse("tolerance", self.tolerance, "above 0 and below 1");
         }
+        if matches!(self.start, Start::Given(_)) {
+            let (value, range) =
+                (self.start.to_string(), "found, not given, for several materials");
+            return Err(Error::Setting { name: "start", value, range });
+        }
         Ok(())
     }
 
     /// The same for the binary flow.
-    fn of_two_labels(&self) -> pipeline::Settings {
-        pipeline::Settings {
+    fn of_two_labels(&self) -> settings::Settings {
+        settings::Settings {
             faces: self.faces,
             optimize: crate::optimize::Settings {
                 preset: self.preset,
-                start: self.start,
+                start: self.start.clone(),
                 margin: self.margin,
                 tolerance: Some(self.tolerance),
                 max_iterations: Some(self.max_iterations),

@@ -9,11 +9,12 @@ use crate::random::uniform;
 const WEIGHTS: [i32; 5] = [1, 4, 6, 4, 1];
 
 /// Positions of the crossings along their grid edges, from the low end, within the bounds.
-pub(super) fn positions(interfaces: &Interfaces, start: Start, bounds: [f64; 2]) -> Vec<f64> {
+pub(super) fn positions(interfaces: &Interfaces, start: &Start, bounds: [f64; 2]) -> Vec<f64> {
     let crossings = interfaces.crossings();
     let mut x = vec![0.5; crossings.len()];
-    match start {
-        Start::Midpoint => {}
+    match *start {
+        // What is given is refused before.
+        Start::Midpoint | Start::Given(_) => {}
         Start::Blur => parallel::fill(&mut x, |v| blur(interfaces, v)),
         Start::Inside => parallel::fill(&mut x, |v| crossings[v].from_low(1.0)),
         Start::Outside => parallel::fill(&mut x, |v| crossings[v].from_low(0.0)),

@@ -5,13 +5,16 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use shrouds::materials::{Labels, MaterialMesh, Settings, Shrouds, shrouds};
+use shrouds::mesh::{MeshKind, Triangles};
+use shrouds::optimize::{Solver, VolumeRule};
+use shrouds::volume::Border;
 use shrouds::{Grid, TriMesh};
 use shrouds_io::{Frame, MeshFormat, Part, mesh_format, write_materials, write_meshes};
 use shrouds_view::{Colours, LineSet, Scene};
 
 use super::check_files;
 use super::materials_report::{Given, Report};
-use crate::args::{Border, FrameChoice, MeshArgs, Solver, SurfaceKind, TriangleRule, VolumeRule};
+use crate::args::{FrameChoice, MeshArgs};
 use crate::console::{Console, print_json};
 use crate::each::Target;
 use crate::failure::Failure;
@@ -94,8 +97,8 @@ fn refuse_other_settings(args: &MeshArgs) -> Result<(), Failure> {
         (solve.solver != Solver::Newton, "--solver sweeps"),
         (solve.volume != VolumeRule::Free, "--volume keep"),
         (solve.border != Border::Closed, "--border open"),
-        (solve.surface != SurfaceKind::Primal, "--surface dual"),
-        (solve.triangles != TriangleRule::Fitted, "--triangles fixed"),
+        (solve.surface != MeshKind::Primal, "--surface dual"),
+        (solve.triangles != Triangles::Fitted, "--triangles fixed"),
     ];
     match given.into_iter().find(|(is_given, _)| *is_given) {
         None => Ok(()),
@@ -110,7 +113,7 @@ fn settings(job: &Job) -> Settings {
     Settings {
         faces: job.settings.faces,
         preset: own.preset,
-        start: own.start,
+        start: own.start.clone(),
         margin: own.margin,
         tolerance: own.tolerance(),
         max_iterations: own.max_iterations(),
