@@ -1,5 +1,7 @@
 //! Surfaces made chunk by chunk against those made whole.
 
+#![allow(clippy::unwrap_used)]
+
 use std::collections::BTreeMap;
 
 use shrouds::chunks::{Chunk, ChunkMesh, Layout, Passes, Relaxed};

@@ -18,12 +18,12 @@ fn a_volume_of_one_label_has_the_mesh_of_the_binary_flow_bit_by_bit() {
     let volume = phantom::linked_tori(24).unwrap();
     for preset in [Preset::Fast, Preset::Default, Preset::Exact] {
         for start in [Start::Blur, Start::Random(3)] {
-            let settings = Settings { preset, start, ..Settings::default() };
+            let settings = Settings { preset, start: start.clone(), ..Settings::default() };
             let labels = Labels::new(volume.grid(), &values(&volume, 7)).unwrap();
             let found = shrouds(labels, &settings).unwrap();
             let mut binary = shrouds::Settings::default();
             binary.optimize.preset = preset;
-            binary.optimize.start = start;
+            binary.optimize.start = start.clone();
             let expected = shroud(&volume, &binary).unwrap().mesh;
             assert_eq!(found.mesh.surface, expected, "{preset:?} {start:?}");
             assert_eq!(found.mesh.closed_mesh(7), expected);
