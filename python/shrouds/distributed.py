@@ -255,7 +255,7 @@ def mesh(
     labels
         Default all but 0.
     chunk
-        Voxels along an edge of a chunk, a multiple of 64.
+        Voxels along an edge of a chunk, a multiple of 128.
     work
         A folder for what is found on the way; default ``OUTPUT.work``. It is removed when all is done.
     threads

@@ -29,7 +29,7 @@ from cloudvolume import CloudVolume
 from distributed import Client, LocalCluster
 from shrouds import distributed
 
-SHAPE = (97, 127, 130)
+SHAPE = (140, 135, 150)
 
 
 @pytest.fixture(scope="module")
@@ -84,7 +84,7 @@ def whole(array, label, spacing, origin=(0, 0, 0)):
 
 def test_precomputed_is_what_cloud_volume_reads(cluster, store, array, tmp_path):
     output = tmp_path / "layer"
-    found = distributed.mesh(store, output, cluster[1], chunk=64)
+    found = distributed.mesh(store, output, cluster[1], chunk=128)
     assert sorted(found) == [7, 2**40 + 3]
     volume = CloudVolume(f"file://{output}", progress=False)
     spacing = (10, 10, 40)
@@ -104,8 +104,8 @@ def test_precomputed_is_what_cloud_volume_reads(cluster, store, array, tmp_path)
 
 
 def test_files_have_the_surface_that_is_made_at_once(cluster, store, array, tmp_path):
-    distributed.mesh(store, tmp_path / "a", cluster[1], labels=[7], chunk=64, format="ply")
-    distributed.mesh(store, tmp_path / "b", cluster[1], labels=[7], chunk=128, format="parts")
+    distributed.mesh(store, tmp_path / "a", cluster[1], labels=[7], chunk=128, format="ply")
+    distributed.mesh(store, tmp_path / "b", cluster[1], labels=[7], chunk=256, format="parts")
     expected = corners(*whole(array, 7, (0.01, 0.01, 0.04)))
     vertices, faces = shrouds.read_mesh(tmp_path / "a" / "7.ply")
     assert corners(vertices, faces) == expected
@@ -115,7 +115,7 @@ def test_files_have_the_surface_that_is_made_at_once(cluster, store, array, tmp_
 
 def test_killed_workers_change_nothing(cluster, store, tmp_path):
     cluster, client = cluster
-    distributed.mesh(store, tmp_path / "a", client, labels=[7], chunk=64, format="ply")
+    distributed.mesh(store, tmp_path / "a", client, labels=[7], chunk=128, format="ply")
     killed, over = [], threading.Event()
 
     def kill():
@@ -132,7 +132,7 @@ def test_killed_workers_change_nothing(cluster, store, tmp_path):
     try:
         # As often as it takes to be killed three times in the midst of it.
         while len(killed) < 3:
-            distributed.mesh(store, tmp_path / "b", client, labels=[7], chunk=64, format="ply")
+            distributed.mesh(store, tmp_path / "b", client, labels=[7], chunk=128, format="ply")
             runs += 1
             result = (tmp_path / "b" / "7.ply").read_bytes()
             assert result == (tmp_path / "a" / "7.ply").read_bytes(), f"run {runs}, {killed}"
@@ -144,7 +144,7 @@ def test_killed_workers_change_nothing(cluster, store, tmp_path):
 
 def test_a_run_that_was_broken_off_goes_on(cluster, store, tmp_path, monkeypatch):
     client = cluster[1]
-    call = {"labels": [7], "chunk": 64, "format": "ply"}
+    call = {"labels": [7], "chunk": 128, "format": "ply"}
     distributed.mesh(store, tmp_path / "a", client, **call)
     expected = (tmp_path / "a" / "7.ply").read_bytes()
 
@@ -166,7 +166,7 @@ def test_a_run_that_was_broken_off_goes_on(cluster, store, tmp_path, monkeypatch
 
 def test_what_cannot_be_is_said(cluster, store, tmp_path):
     client = cluster[1]
-    with pytest.raises(ValueError, match="multiple of 64"):
+    with pytest.raises(ValueError, match="multiple of 128"):
         distributed.mesh(store, tmp_path / "a", client, labels=[7], chunk=100)
     with pytest.raises(ValueError, match="preset"):
         distributed.mesh(store, tmp_path / "b", client, labels=[7], preset="exact")

@@ -127,7 +127,7 @@ fn gyroid_in_a_box() -> Occupancy {
 fn chunks_make_the_same_surface_as_the_whole() {
     let volume = gyroid_in_a_box();
     for border in [Border::Closed, Border::Open] {
-        for edge in [64, 128] {
+        for edge in [128, 256] {
             assert_equal(&volume, &Settings { border, ..Settings::default() }, edge);
         }
     }
@@ -137,11 +137,11 @@ fn chunks_make_the_same_surface_as_the_whole() {
 fn so_they_do_for_other_settings() {
     let volume = gyroid_in_a_box();
     let fast = optimize::Settings { preset: Preset::Fast, ..Default::default() };
-    assert_equal(&volume, &Settings { optimize: fast, ..Settings::default() }, 64);
+    assert_equal(&volume, &Settings { optimize: fast, ..Settings::default() }, 128);
     let energy: Option<Energy> = Some(Variation.into());
     let optimize = optimize::Settings { energy, ..Default::default() };
     let triangles = Triangles::Fixed;
-    assert_equal(&volume, &Settings { optimize, triangles, ..Settings::default() }, 64);
+    assert_equal(&volume, &Settings { optimize, triangles, ..Settings::default() }, 128);
 }
 
 /// Faces along the grid whose terraces reach through many chunks.
@@ -152,16 +152,16 @@ fn flat_faces_are_known_across_chunks() {
         let stair = 20 + (i / 67) * 9 + (j / 81) * 3;
         k > 2 && k < 100 + stair && i > 0 && j > 4 && (i + 2 * j) % 150 > 1
     });
-    assert_equal(&volume, &Settings::default(), 64);
+    assert_equal(&volume, &Settings::default(), 128);
 }
 
 #[test]
 fn nothing_in_a_chunk_is_nothing() {
-    let grid = Grid::new([130, 64, 65], [1.0; 3]).unwrap();
+    let grid = Grid::new([258, 128, 129], [1.0; 3]).unwrap();
     let mut volume = Occupancy::empty(grid);
-    assert_eq!(in_chunks(&volume, &Settings::default(), 64).mesh, TriMesh::default());
-    volume.set([129, 63, 64], true);
-    let joined = in_chunks(&volume, &Settings::default(), 64);
+    assert_eq!(in_chunks(&volume, &Settings::default(), 128).mesh, TriMesh::default());
+    volume.set([257, 127, 128], true);
+    let joined = in_chunks(&volume, &Settings::default(), 128);
     assert_eq!((joined.delta.len(), joined.mesh.triangles.len()), (6, 8));
     assert_eq!(joined.parts.len(), 6);
 }
@@ -169,7 +169,7 @@ fn nothing_in_a_chunk_is_nothing() {
 #[test]
 fn what_looks_at_the_whole_surface_is_refused() {
     let grid = Grid::new([100; 3], [1.0; 3]).unwrap();
-    for edge in [0, 63, 100, 2048] {
+    for edge in [0, 64, 100, 2048] {
         let made = Layout::new(grid.clone(), Border::Closed, edge);
         assert!(matches!(made, Err(Error::Setting { name: "chunk", .. })));
     }
@@ -186,7 +186,7 @@ fn what_looks_at_the_whole_surface_is_refused() {
 #[test]
 fn values_of_other_voxels_are_refused() {
     let volume = gyroid_in_a_box();
-    let layout = Layout::new(volume.grid().clone(), Border::Closed, 64).unwrap();
+    let layout = Layout::new(volume.grid().clone(), Border::Closed, 128).unwrap();
     let voxels = |chunk| volume.crop(layout.voxels(chunk));
     let chunk = Chunk::new(&layout, [0; 3], Default::default(), voxels).unwrap();
     let (rows, mut known) = (chunk.rows(), vec![0.0f32; chunk.known_count()]);

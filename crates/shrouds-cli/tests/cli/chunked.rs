@@ -11,7 +11,7 @@ use crate::common::{Folder, command};
 /// A gyroid of more vertices than one tile has, in a box of no multiple of a chunk.
 fn gyroid() -> Folder {
     let folder = Folder::new();
-    let gyroid = phantom::gyroid(130).unwrap().crop([0..130, 3..130, 0..97]).unwrap();
+    let gyroid = phantom::gyroid(150).unwrap().crop([0..150, 3..150, 0..140]).unwrap();
     folder.volume("volume.npy", &gyroid);
     folder
 }
@@ -33,16 +33,16 @@ fn triangles(mesh: &TriMesh) -> Vec<[[u64; 3]; 3]> {
 fn chunks_write_the_surface_of_the_whole() {
     let folder = gyroid();
     assert_eq!(folder.run("mesh volume.npy -o whole.ply").code, 0);
-    let done = folder.run("mesh volume.npy --chunk 64 -o joined.ply --report joined.json");
+    let done = folder.run("mesh volume.npy --chunk 128 -o joined.ply --report joined.json");
     assert_eq!((done.code, done.out.as_str()), (0, ""), "{}", done.err);
-    assert!(done.err.contains("triangles from 12 chunks"), "{}", done.err);
+    assert!(done.err.contains("triangles from 8 chunks"), "{}", done.err);
     let (whole, joined) = (folder.mesh("whole.ply"), folder.mesh("joined.ply"));
     assert!(whole.vertices.len() > 75_000);
     let expected = triangles(&whole);
     assert!(triangles(&joined) == expected, "the triangles differ");
     let report = folder.json("joined.json");
     assert_eq!(report["vertices"], whole.vertices.len());
-    assert_eq!(report["chunks"], 12);
+    assert_eq!(report["chunks"], 8);
     assert_eq!(folder.names(), ["joined.json", "joined.ply", "volume.npy", "whole.ply"]);
 
     let done = folder.run("mesh volume.npy --axes xyz --chunk 128 -o turned.ply");
@@ -51,7 +51,7 @@ fn chunks_write_the_surface_of_the_whole() {
     let (whole, joined) = (folder.mesh("whole.ply"), folder.mesh("turned.ply"));
     assert!(triangles(&whole) == triangles(&joined), "the triangles differ along z");
 
-    let done = folder.run("mesh volume.npy --chunk 64 -o parts");
+    let done = folder.run("mesh volume.npy --chunk 128 -o parts");
     assert_eq!(done.code, 0, "{}", done.err);
     let mut parts = Vec::new();
     for entry in fs::read_dir(folder.path("parts")).unwrap() {
@@ -67,7 +67,7 @@ fn chunks_write_the_surface_of_the_whole() {
 #[test]
 fn what_was_broken_off_is_continued() {
     let folder = gyroid();
-    let call = "mesh volume.npy --chunk 64 -o out.ply";
+    let call = "mesh volume.npy --chunk 128 -o out.ply";
     assert_eq!(folder.run(call).code, 0);
     let expected = folder.bytes("out.ply");
     let work = folder.path("out.ply.chunks");
@@ -104,7 +104,7 @@ fn what_was_broken_off_is_continued() {
 #[test]
 fn other_settings_begin_anew() {
     let folder = gyroid();
-    assert_eq!(folder.run("mesh volume.npy --chunk 64 --preset fast -o out.ply").code, 0);
+    assert_eq!(folder.run("mesh volume.npy --chunk 128 --preset fast -o out.ply").code, 0);
     let fast = folder.bytes("out.ply");
     // What another call left behind.
     let work = folder.path("out.ply.chunks");
@@ -112,7 +112,7 @@ fn other_settings_begin_anew() {
     fs::write(work.join("identity"), "another").unwrap();
     fs::write(work.join("voxels-0-0-0.chunk"), "old").unwrap();
     fs::write(work.join("notes.txt"), "not ours").unwrap();
-    let done = folder.run("mesh volume.npy --chunk 64 --preset fast -o out.ply");
+    let done = folder.run("mesh volume.npy --chunk 128 --preset fast -o out.ply");
     assert_eq!(done.code, 0, "{}", done.err);
     assert!(folder.bytes("out.ply") == fast);
     assert_eq!(fs::read(work.join("notes.txt")).unwrap(), b"not ours");
@@ -121,7 +121,7 @@ fn other_settings_begin_anew() {
     folder.file("notes.txt", b"");
     fs::create_dir(folder.path("parts")).unwrap();
     fs::write(folder.path("parts/9-9-9.ply"), "old").unwrap();
-    let done = folder.run("mesh volume.npy --chunk 64 -o parts");
+    let done = folder.run("mesh volume.npy --chunk 128 -o parts");
     assert!(done.code == 1 && done.err.contains("empty"), "{}", done.err);
     assert!(!folder.path("parts.chunks").exists());
 }
@@ -130,24 +130,24 @@ fn other_settings_begin_anew() {
 fn what_does_not_go_with_chunks_is_refused() {
     let folder = Folder::with_tori();
     for (options, word) in [
-        ("--chunk 100 -o a.ply", "multiple of 64"),
-        ("--chunk 64 -o a.stl", ".ply"),
-        ("--chunk 64 -o a.ply --preset exact", "preset"),
-        ("--chunk 64 -o a.ply --strict", "--strict"),
-        ("--chunk 64 -o a.ply --surface dual", "primal"),
-        ("--chunk 64 -o a.ply --volume keep", "volume"),
-        ("--chunk 64 -o a.ply --crease=6", "crease"),
-        ("--chunk 64 -o a.ply --start random:1", "start"),
-        ("--chunk 64 -o a.ply --frame index", "--frame"),
-        ("--chunk 64 -o a.ply --picture a.png", "--picture"),
+        ("--chunk 100 -o a.ply", "multiple of 128"),
+        ("--chunk 128 -o a.stl", ".ply"),
+        ("--chunk 128 -o a.ply --preset exact", "preset"),
+        ("--chunk 128 -o a.ply --strict", "--strict"),
+        ("--chunk 128 -o a.ply --surface dual", "primal"),
+        ("--chunk 128 -o a.ply --volume keep", "volume"),
+        ("--chunk 128 -o a.ply --crease=6", "crease"),
+        ("--chunk 128 -o a.ply --start random:1", "start"),
+        ("--chunk 128 -o a.ply --frame index", "--frame"),
+        ("--chunk 128 -o a.ply --picture a.png", "--picture"),
     ] {
         let done = folder.run(&format!("mesh volume.npy {options}"));
         assert!(done.code == 2 && done.err.contains(word), "{options}: {}", done.err);
     }
-    let done = folder.run("mesh volume.npy --chunk 64 -o a.ply --threshold 5");
+    let done = folder.run("mesh volume.npy --chunk 128 -o a.ply --threshold 5");
     assert!(done.code == 1 && done.err.contains("no surface"), "{}", done.err);
     assert_eq!(folder.names(), ["volume.npy"]);
-    let done = folder.run("mesh volume.npy --chunk 64 -o a.ply --json");
+    let done = folder.run("mesh volume.npy --chunk 128 -o a.ply --json");
     let report: serde_json::Value = serde_json::from_str(&done.out).unwrap();
     assert_eq!((done.code, &report["chunks"]), (0, &json!(1)));
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::error::Error;
 use crate::grid::Grid;
-use crate::optimize::{EDGE, FLAT_REACH, KNOWN};
+use crate::optimize::{BLOCK, FLAT_REACH, KNOWN};
 use crate::surface::Region;
 use crate::volume::Border;
 
@@ -19,14 +19,14 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// Chunks of `edge` voxels along each axis, a multiple of 64.
+    /// Chunks of `edge` voxels along each axis, a multiple of 128.
     ///
     /// # Errors
     /// [`Error::Setting`] when `edge` is another number or beyond 1024; [`Error::NoCells`] when an open
     /// border leaves no cell; [`Error::Dimensions`] when the lattice of a closed border is too large.
     pub fn new(voxels: Grid, border: Border, edge: usize) -> Result<Self, Error> {
-        if edge == 0 || !edge.is_multiple_of(EDGE) || edge > 16 * EDGE {
-            let range = "a multiple of 64 from 64 to 1024";
+        if edge == 0 || !edge.is_multiple_of(BLOCK) || edge > 8 * BLOCK {
+            let range = "a multiple of 128 from 128 to 1024";
             return Err(Error::Setting { name: "chunk", value: edge.to_string(), range });
         }
         let dims = voxels.dims();

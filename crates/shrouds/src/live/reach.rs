@@ -24,9 +24,9 @@ impl Reach {
     pub(super) fn around(surface: &Surface, points: &Ranges) -> Option<Self> {
         let boxes = MARGINS.map(|margin| surface.widened(points, [margin; 2]));
         let [.., smallest] = &boxes;
-        let own = boxes.iter().find(|own| vertices(surface, own) <= FEW).unwrap_or(smallest);
+        let own = boxes.iter().find(|own| surface.vertices_within(own) <= FEW).unwrap_or(smallest);
         let most = LARGEST_PART * surface.vertex_count() as f64;
-        ((vertices(surface, own) as f64) < most).then(|| Self { own: own.clone() })
+        ((surface.vertices_within(own) as f64) < most).then(|| Self { own: own.clone() })
     }
 
     /// The box around vertices whose flatness changed.
@@ -52,12 +52,4 @@ impl Reach {
         let dims = surface.grid().dims();
         [0, 1, 2].map(|d| points[d].start..points[d].end.min(dims[d] - 1))
     }
-}
-
-/// Number of vertices whose grid edges start in a box.
-fn vertices(surface: &Surface, own: &Ranges) -> usize {
-    let [x, y, z] = own;
-    let in_row = |axis: usize, j: usize, k: usize| surface.span_vertices(axis, x, j, k).len();
-    let rows = z.clone().flat_map(|k| y.clone().map(move |j| (j, k)));
-    rows.map(|(j, k)| (0..3).map(|axis| in_row(axis, j, k)).sum::<usize>()).sum()
 }

@@ -45,7 +45,7 @@ pub use progress::{Observer, Positions, Progress};
 pub(crate) use relax::EnergySum;
 pub use report::{ComponentVolume, Report, Round, Status};
 pub use settings::{Crease, Preset, Settings, Solver, Start, VolumeRule};
-pub(crate) use tile::{EDGE, Tiling};
+pub(crate) use tile::{BLOCK, Tiling};
 
 use std::sync::Arc;
 

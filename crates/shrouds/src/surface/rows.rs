@@ -81,11 +81,12 @@ impl Surface {
         (0..i.div_ceil(64)).map(crossed).sum()
     }
 
-    /// Whether a grid edge that starts at one of some points is crossed.
-    pub(crate) fn has_vertices(&self, points: &Region) -> bool {
+    /// Number of vertices whose grid edges start at some points.
+    pub(crate) fn vertices_within(&self, points: &Region) -> usize {
         let [x, y, z] = points;
-        let in_row = |j, k| (0..3).any(|axis| !self.span_vertices(axis, x, j, k).is_empty());
-        z.clone().any(|k| y.clone().any(|j| in_row(j, k)))
+        let in_row =
+            |(j, k)| (0..3).map(|axis| self.span_vertices(axis, x, j, k).len()).sum::<usize>();
+        z.clone().flat_map(|k| y.clone().map(move |j| (j, k))).map(in_row).sum()
     }
 
     /// Calls `f` with the vertices of every row along every axis whose grid edges start at `points` of
