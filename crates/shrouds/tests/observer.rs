@@ -58,8 +58,8 @@ fn the_observer_sees_every_step_and_changes_nothing() {
 
 #[test]
 fn a_surface_of_many_tiles_is_seen_too() {
-    let surface = surface_of(&phantom::gyroid(130).unwrap());
-    assert!(surface.vertex_count() > 100_000);
+    let surface = surface_of(&phantom::gyroid(200).unwrap());
+    assert!(surface.vertex_count() > 500_000);
     for preset in [Preset::Fast, Preset::Default] {
         let (watched, seen) = watch(&surface, &Settings { preset, ..Settings::default() });
         assert_eq!(seen.last(), Some(&in_single(&watched.delta)));
