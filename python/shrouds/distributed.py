@@ -72,10 +72,10 @@ class Source:
         """
         import zarr
 
-        node = zarr.open(str(path), mode="r")
+        node: Any = zarr.open(str(path), mode="r")
         scale, shift, unit, name = [1.0] * 3, [0.0] * 3, "unknown", ""
         if isinstance(node, zarr.Group):
-            attributes = dict(node.attrs)
+            attributes: dict[str, Any] = dict(node.attrs)
             images = attributes.get("ome", attributes).get("multiscales")
             if not images:
                 raise ValueError(f"{path}: a group without multiscales; name the array in it")
