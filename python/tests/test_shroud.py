@@ -3,6 +3,7 @@
 import _thread
 import inspect
 import json
+import signal
 import multiprocessing
 import os
 import pickle
@@ -140,6 +141,8 @@ def test_an_exception_in_a_callback_goes_through(gyroid):
 @pytest.mark.parametrize("work", ["shroud", "sweeps", "check"])
 def test_ctrl_c_and_other_threads(gyroid, work):
     """Only another thread of Python can interrupt, so this holds the lock's release, too."""
+    # A job in the background ignores interrupts from its birth.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     made = shrouds.shroud(gyroid, preset="fast")
     timer = threading.Timer(0.2, _thread.interrupt_main)
     with pytest.raises(KeyboardInterrupt):
