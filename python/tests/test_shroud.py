@@ -3,10 +3,10 @@
 import _thread
 import inspect
 import json
-import signal
 import multiprocessing
 import os
 import pickle
+import signal
 import threading
 
 import numpy as np

@@ -14,7 +14,7 @@ pub struct Progress<'a> {
     pub iteration: usize,
     /// The energy, with the weights of the current round.
     pub energy: f64,
-    /// What the stop rule looks at, and the value at which it stops.
+    /// What the stop rule looks at: the root mean square of the last step, or the relative change in a sweep.
     pub change: f64,
     /// The tolerance that `change` has to reach; 0 where it need not reach any.
     pub tolerance: f64,
