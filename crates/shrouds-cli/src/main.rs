@@ -29,7 +29,6 @@ mod scene;
 mod selection;
 mod settings;
 mod truth;
-mod vector;
 mod view;
 mod work;
 

@@ -2,8 +2,7 @@
 
 use shrouds::TriMesh;
 use shrouds::volume::phantom::{Rotation, rotation};
-
-use crate::vector::{Vector, cross, dot, length, sub, unit};
+use shrouds_report::vector::{Vector, cross, dot, length, sub, unit};
 
 /// A body whose surface is known, in world units.
 #[derive(Debug, Clone, PartialEq)]

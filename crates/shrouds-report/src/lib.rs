@@ -7,7 +7,7 @@
 pub mod looks;
 pub mod measure;
 mod report;
-mod vector;
+pub mod vector;
 
 pub use report::{
     Checks, FirstLast, FoundExpected, Geometry, Lattice, RmsMax, RoundReport, SolverReport, Times,

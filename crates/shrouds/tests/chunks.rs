@@ -27,6 +27,16 @@ fn in_chunks(volume: &Occupancy, settings: &Settings, edge: usize) -> Joined {
     let voxels = |chunk| volume.crop(layout.voxels(chunk));
     let chunk = |index| Chunk::new(&layout, index, settings.faces, voxels).unwrap();
     let rows: BTreeMap<Index, Vec<u32>> = layout.chunks().map(|c| (c, chunk(c).rows())).collect();
+    let shared_rows: BTreeMap<Index, Vec<u32>> =
+        layout.chunks().map(|c| (c, chunk(c).shared_rows())).collect();
+    let positions = |chunk: &Chunk, c: Index, found: &BTreeMap<Index, Relaxed>| {
+        let mut shares = vec![0; chunk.known_count()];
+        for other in layout.beside(c) {
+            let (rows, found) = (&shared_rows[&other], &found[&other].shares);
+            chunk.add(other, rows, found, &mut shares).unwrap();
+        }
+        chunk.positions(&passes, &shares)
+    };
     let count = |c: Index| rows[&c].last().copied().unwrap_or(0);
     let vertices: u64 = layout.chunks().map(|c| u64::from(count(c))).sum();
     let mut found: BTreeMap<Index, Relaxed> = BTreeMap::new();
@@ -37,10 +47,7 @@ fn in_chunks(volume: &Occupancy, settings: &Settings, edge: usize) -> Joined {
             let chunk = chunk(c);
             let mut x = chunk.start(&passes).unwrap();
             if n > 0 {
-                x.fill(f32::NAN);
-                for other in layout.beside(c) {
-                    chunk.take(other, &rows[&other], &found[&other].x, &mut x).unwrap();
-                }
+                x = positions(&chunk, c, &found);
             }
             (c, chunk.relax(&passes, n, mean, &x))
         };
@@ -55,12 +62,11 @@ fn in_chunks(volume: &Occupancy, settings: &Settings, edge: usize) -> Joined {
     let mut joined = Joined { mesh: TriMesh::default(), delta: Vec::new(), parts: Vec::new() };
     for c in layout.chunks() {
         let chunk = chunk(c);
-        let mut x = vec![f32::NAN; chunk.known_count()];
+        let x = positions(&chunk, c, &found);
         let mut slopes = vec![[f32::NAN; 2]; x.len()];
         let mut known = vec![u64::MAX; x.len()];
         for other in layout.above(c) {
             let rows = &rows[&other];
-            chunk.take(other, rows, &found[&other].x, &mut x).unwrap();
             chunk.take(other, rows, &found[&other].slopes, &mut slopes).unwrap();
             chunk.take(other, rows, &numbers[&other], &mut known).unwrap();
         }

@@ -9,7 +9,7 @@ use flate2::Crc;
 use crate::atomic::write_atomically;
 use crate::error::Error;
 
-const MAGIC: &[u8; 16] = b"shrouds chunk 1\n";
+const MAGIC: &[u8; 16] = b"shrouds chunk 2\n";
 const NUMBERS: usize = 3;
 /// Magic bytes, numbers, bytes of the arrays, their checksum and that of all before.
 const HEADER: usize = 16 + 8 * NUMBERS + 8 + 4 + 4;
@@ -72,6 +72,11 @@ impl Artefact {
         let Some(bytes) = bytes else { return Err(self.damaged()) };
         self.read += 8 + bytes.len();
         Ok(bytes.as_chunks().0.iter().map(|bytes| T::number(*bytes)).collect())
+    }
+
+    /// Whether there are no arrays.
+    pub(super) fn is_empty(&self) -> bool {
+        self.bytes.is_empty()
     }
 
     fn damaged(&self) -> Error {

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::PathBuf;
 
-use shrouds::chunks::{Chunk, ChunkMesh, Layout, Passes, Relaxed};
+use shrouds::chunks::{Chunk, ChunkMesh, Layout, Passes};
 use shrouds::volume::Border;
 use shrouds::{Occupancy, Settings};
 
@@ -41,9 +41,13 @@ pub struct Totals {
 }
 
 /// What a pass found for a chunk.
+#[derive(Default)]
 struct Passed {
+    shared_rows: Vec<u32>,
+    shares: Vec<u32>,
+    /// After the last pass only.
     rows: Vec<u32>,
-    relaxed: Relaxed,
+    slopes: Vec<[f32; 2]>,
 }
 
 impl ChunkRun {
@@ -128,26 +132,23 @@ impl ChunkRun {
             return Ok(());
         }
         if self.has_no_surface(chunk)? {
-            return Artefact::new([0; 3]).push([0u32; 0].into_iter()).write(&path);
+            return Artefact::new([0; 3]).write(&path);
         }
         let before = if n == 0 { Totals::default() } else { self.totals(n - 1)? };
         let mean = self.passes.mean_energy(n, &[before.energy], before.vertices);
         let piece = self.chunk(chunk)?;
-        let mut x = piece.start(&self.passes).map_err(|cause| self.failed(cause))?;
-        if n > 0 {
-            for other in self.layout.beside(chunk) {
-                let Passed { rows, relaxed } = self.passed(n - 1, other)?;
-                let taken = piece.take(other, &rows, &relaxed.x, &mut x);
-                taken.map_err(|cause| self.failed(cause))?;
-            }
-        }
+        let x = match n {
+            0 => piece.start(&self.passes).map_err(|cause| self.failed(cause))?,
+            _ => self.positions(n - 1, chunk, &piece)?,
+        };
         let relaxed = piece.relax(&self.passes, n, mean, &x);
         let is_last = n + 1 == self.passes();
         let triangles = if is_last { piece.triangle_count() } else { 0 };
-        let summary = [relaxed.x.len() as u64, triangles as u64, relaxed.energy];
-        let mut artefact =
-            Artefact::new(summary).push(piece.rows().into_iter()).push(relaxed.x.into_iter());
+        let summary = [relaxed.slopes.len() as u64, triangles as u64, relaxed.energy];
+        let artefact = Artefact::new(summary).push(piece.shared_rows().into_iter());
+        let mut artefact = artefact.push(relaxed.shares.into_iter());
         if is_last {
+            artefact = artefact.push(piece.rows().into_iter());
             artefact = artefact.push(relaxed.slopes.as_flattened().iter().copied());
         }
         artefact.write(&path)
@@ -188,19 +189,29 @@ impl ChunkRun {
         }
         let piece = self.chunk(chunk)?;
         let count = piece.known_count();
-        let (mut x, mut slopes) = (vec![0.5; count], vec![[0.0; 2]; count]);
-        let mut numbers = vec![u64::MAX; count];
+        let x = self.positions(last, chunk, &piece)?;
+        let (mut slopes, mut numbers) = (vec![[0.0; 2]; count], vec![u64::MAX; count]);
         for other in self.layout.above(chunk) {
-            let Passed { rows, relaxed } = self.passed(last, other)?;
-            let own: Vec<u64> = (first_of(other)..).take(relaxed.x.len()).collect();
+            let passed = self.passed(last, other)?;
+            let own: Vec<u64> = (first_of(other)..).take(passed.slopes.len()).collect();
             let taken = piece
-                .take(other, &rows, &relaxed.x, &mut x)
-                .and_then(|()| piece.take(other, &rows, &relaxed.slopes, &mut slopes))
-                .and_then(|()| piece.take(other, &rows, &own, &mut numbers));
+                .take(other, &passed.rows, &passed.slopes, &mut slopes)
+                .and_then(|()| piece.take(other, &passed.rows, &own, &mut numbers));
             taken.map_err(|cause| self.failed(cause))?;
         }
         let mesh = piece.mesh(&x, &slopes, &numbers, self.settings.triangles);
         Ok((mesh, first_of(chunk)))
+    }
+
+    /// The positions of the vertices that a chunk must know, after pass `n`.
+    fn positions(&self, n: usize, chunk: [usize; 3], piece: &Chunk<'_>) -> Result<Vec<f32>, Error> {
+        let mut shares = vec![0; piece.known_count()];
+        for other in self.layout.beside(chunk) {
+            let passed = self.passed(n, other)?;
+            let added = piece.add(other, &passed.shared_rows, &passed.shares, &mut shares);
+            added.map_err(|cause| self.failed(cause))?;
+        }
+        Ok(piece.positions(&self.passes, &shares))
     }
 
     /// Removes everything that was found, and the folder unless something else is in it.
@@ -276,16 +287,17 @@ impl ChunkRun {
 
     fn passed(&self, n: usize, chunk: [usize; 3]) -> Result<Passed, Error> {
         let mut artefact = Artefact::read(&self.pass_file(n, chunk))?;
-        let rows = artefact.next()?;
-        let mut relaxed = Relaxed::default();
-        if !rows.is_empty() {
-            relaxed.x = artefact.next()?;
+        let mut passed = Passed::default();
+        if !artefact.is_empty() {
+            passed.shared_rows = artefact.next()?;
+            passed.shares = artefact.next()?;
             if n + 1 == self.passes() {
+                passed.rows = artefact.next()?;
                 let slopes: Vec<f32> = artefact.next()?;
-                relaxed.slopes = slopes.as_chunks().0.to_vec();
+                passed.slopes = slopes.as_chunks().0.to_vec();
             }
         }
-        Ok(Passed { rows, relaxed })
+        Ok(passed)
     }
 
     /// Removes what was found.

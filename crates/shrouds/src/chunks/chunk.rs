@@ -2,7 +2,7 @@
 
 use crate::chunks::Layout;
 use crate::error::Error;
-use crate::optimize::{self, FixedPass, Piece, Settings, Tiling, fixed_passes};
+use crate::optimize::{self, FixedPass, Piece, Settings, Tiling, fixed_passes, shares};
 use crate::surface::{Region, Surface};
 use crate::volume::{FaceRule, Occupancy};
 
@@ -37,14 +37,15 @@ impl Passes {
     }
 }
 
-/// What a pass finds for the vertices of a chunk, in the order of [`Chunk::rows`].
+/// What a pass finds for a chunk.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Relaxed {
-    /// Their positions along their grid edges, from the low end, in edge lengths.
-    pub x: Vec<f32>,
-    /// The slopes of their curves, see [`Optimum::slopes`](crate::optimize::Optimum::slopes).
+    /// Its shares in positions along grid edges, in the order of [`Chunk::shared_rows`].
+    pub shares: Vec<u32>,
+    /// The slopes of the curves at the chunk's vertices, in the order of [`Chunk::rows`], see
+    /// [`Optimum::slopes`](crate::optimize::Optimum::slopes).
     pub slopes: Vec<[f32; 2]>,
-    /// Their energy, in whole units.
+    /// The energy of these vertices, in whole units.
     pub energy: u64,
 }
 
@@ -105,9 +106,18 @@ impl<'a> Chunk<'a> {
     /// Rows come by z, then y, each along the grid edges of all axes, one after another; the vertices
     /// of a row in the order of growing x. Without any vertex there are no rows.
     pub fn rows(&self) -> Vec<u32> {
+        self.rows_of(&self.layout.own(self.index))
+    }
+
+    /// The same for the vertices that the chunk has a share in: its own and some around them.
+    pub fn shared_rows(&self) -> Vec<u32> {
+        self.rows_of(&self.layout.shared(self.index))
+    }
+
+    fn rows_of(&self, points: &Region) -> Vec<u32> {
         let mut rows = vec![0];
         let mut count = 0;
-        self.for_each_row(&self.layout.own(self.index), |_, range| {
+        self.for_each_row(points, |_, range| {
             count += range.len() as u32;
             rows.push(count);
         });
@@ -129,25 +139,68 @@ impl<'a> Chunk<'a> {
         values: &[T],
         known: &mut [T],
     ) -> Result<(), Error> {
-        assert_eq!(known.len(), self.known_count(), "one value per known vertex");
         let own = self.layout.own(chunk);
-        let there = self.layout.known(self.index);
-        let common: Region =
-            std::array::from_fn(|d| own[d].start.max(there[d].start)..own[d].end.min(there[d].end));
-        let begins = common[0].start == own[0].start;
+        self.merge(chunk, &own, rows, values, known, |known, value| *known = value)
+    }
+
+    /// Adds the shares of a chunk [`beside`](Layout::beside) this one, or of itself, to those of the vertices
+    /// that are known here. `rows` are its [`shared_rows`](Self::shared_rows).
+    ///
+    /// # Errors
+    /// [`Error::Chunk`] when the shares or the rows are not those of that chunk.
+    ///
+    /// # Panics
+    /// When `known` has not one share for each vertex that is known.
+    pub fn add(
+        &self,
+        chunk: [usize; 3],
+        rows: &[u32],
+        shares: &[u32],
+        known: &mut [u32],
+    ) -> Result<(), Error> {
+        let shared = self.layout.shared(chunk);
+        // Of damaged files the sum may be anything.
+        let add = |known: &mut u32, share| *known = known.wrapping_add(share);
+        self.merge(chunk, &shared, rows, shares, known, add)
+    }
+
+    /// The positions that the shares of all chunks beside this one make together, from the low ends of the
+    /// grid edges, in edge lengths.
+    pub fn positions(&self, passes: &Passes, shares: &[u32]) -> Vec<f32> {
+        shares::positions(&passes.settings, shares)
+    }
+
+    /// Brings values of the vertices of some points, those of another chunk, together with those known here.
+    fn merge<T: Copy>(
+        &self,
+        chunk: [usize; 3],
+        points: &Region,
+        rows: &[u32],
+        values: &[T],
+        known: &mut [T],
+        mut merge: impl FnMut(&mut T, T),
+    ) -> Result<(), Error> {
+        assert_eq!(known.len(), self.known_count(), "one value per known vertex");
+        let here = self.layout.known(self.index);
+        let common: Region = std::array::from_fn(|d| {
+            points[d].start.max(here[d].start)..points[d].end.min(here[d].end)
+        });
+        let begins = common[0].start == points[0].start;
         let mut fits = true;
         self.for_each_row(&common, |[axis, j, k], here| {
             if here.is_empty() {
                 return;
             }
-            let row = 3 * ((k - own[2].start) * own[1].len() + j - own[1].start) + axis;
-            let ends = (rows.get(row), rows.get(row + 1));
+            let row = (k - points[2].start) * points[1].len() + j - points[1].start;
+            let ends = (rows.get(3 * row + axis), rows.get(3 * row + axis + 1));
             let (Some(&start), Some(&end)) = ends else { return fits = false };
             // What is known of a row is its beginning or its end.
             let start =
                 if begins { start as usize } else { (end as usize).wrapping_sub(here.len()) };
             match values.get(start..start.wrapping_add(here.len())) {
-                Some(values) => known[here].copy_from_slice(values),
+                Some(values) => {
+                    known[here].iter_mut().zip(values).for_each(|(a, &b)| merge(a, b));
+                }
                 None => fits = false,
             }
         });
@@ -170,7 +223,7 @@ impl<'a> Chunk<'a> {
         assert_eq!(x.len(), self.known_count(), "one position per known vertex");
         let found = self.piece().relax(&passes.settings, &passes.passes[n], mean, x);
         Relaxed {
-            x: self.of_chunk(&found.x),
+            shares: self.of_points(&self.layout.shared(self.index), &found.shares),
             slopes: self.of_chunk(&found.slopes),
             energy: found.energy.0,
         }
@@ -190,11 +243,13 @@ impl<'a> Chunk<'a> {
 
     /// The values of the vertices of the chunk, of those that are known.
     pub(super) fn of_chunk<T: Copy>(&self, known: &[T]) -> Vec<T> {
-        let mut own = Vec::new();
-        self.for_each_row(&self.layout.own(self.index), |_, range| {
-            own.extend_from_slice(&known[range]);
-        });
-        own
+        self.of_points(&self.layout.own(self.index), known)
+    }
+
+    fn of_points<T: Copy>(&self, points: &Region, known: &[T]) -> Vec<T> {
+        let mut values = Vec::new();
+        self.for_each_row(points, |_, range| values.extend_from_slice(&known[range]));
+        values
     }
 
     /// Points of the lattice as the surface of what is known has them.

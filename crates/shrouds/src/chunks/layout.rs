@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::error::Error;
 use crate::grid::Grid;
-use crate::optimize::{BLOCK, FLAT_REACH, KNOWN};
+use crate::optimize::{BLOCK, FLAT_REACH, HALO, KNOWN};
 use crate::surface::Region;
 use crate::volume::Border;
 
@@ -76,9 +76,9 @@ impl Layout {
         self.that_meet(&self.piece(chunk))
     }
 
-    /// The chunks whose vertices a chunk must know, itself among them.
+    /// The chunks that have a share in the vertices a chunk must know, itself among them.
     pub fn beside(&self, chunk: [usize; 3]) -> Vec<[usize; 3]> {
-        self.that_meet(&self.known(chunk))
+        self.that_meet(&self.widened(&self.known(chunk), [HALO; 2]))
     }
 
     /// The chunks with vertices of the triangles of a chunk, itself among them.
@@ -114,6 +114,11 @@ impl Layout {
             let is_last = chunk[d] + 1 == counts[d];
             start..if is_last { dims[d] } else { voxels[d].end + self.margin() }
         })
+    }
+
+    /// The points whose vertices a chunk has a share in.
+    pub(super) fn shared(&self, chunk: [usize; 3]) -> Region {
+        self.widened(&self.own(chunk), [HALO; 2])
     }
 
     /// The points whose vertices a chunk must know.

@@ -10,9 +10,10 @@
 //!
 //! The order of the work, for each chunk unless it says otherwise:
 //!
-//! 1. [`Chunk::new`] from the voxels around it, [`Chunk::rows`] and [`Chunk::start`];
-//! 2. for every one of [`Passes`]: positions from [`Chunk::start`] or, by [`Chunk::take`], from what the pass
-//!    before found for all chunks [`Layout::beside`]; [`Chunk::relax`]; for all chunks together the mean energy;
+//! 1. [`Chunk::new`] from the voxels around it, [`Chunk::rows`], [`Chunk::shared_rows`] and [`Chunk::start`];
+//! 2. for every one of [`Passes`]: positions from [`Chunk::start`] or, by [`Chunk::add`] and
+//!    [`Chunk::positions`], from the shares that the pass before found for all chunks [`Layout::beside`];
+//!    [`Chunk::relax`]; for all chunks together the mean energy;
 //! 3. numbers of vertices, all chunks one after another; [`Chunk::mesh`].
 //!
 //! Uses: `grid`, `volume`, `surface`, `optimize`, `mesh`.

@@ -334,7 +334,7 @@ pub fn keep_volumes(
 ) {
     assert_eq!(delta.len(), surface.vertex_count(), "one delta per vertex");
     let components = surface.components();
-    let bounds = [settings.margin, 1.0 - settings.margin];
+    let bounds = settings.bounds();
     // δ from the position and the position from δ are the same reflection.
     let start: Vec<f64> = surface.crossings().zip(&*delta).map(|(c, &d)| c.from_low(d)).collect();
     let turn = if surface.grid().is_mirrored() { -1.0 } else { 1.0 };

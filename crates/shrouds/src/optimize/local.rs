@@ -168,7 +168,7 @@ impl Local<'_> {
     fn blurred<R: Real>(&self, tile: &Tile, x: &[R]) -> Result<Vec<R>, Error> {
         let grid = self.surface.grid();
         let spacing = grid.spacing().map(|h| h / grid.min_spacing());
-        let bounds = [self.settings.margin, 1.0 - self.settings.margin];
+        let bounds = self.settings.bounds();
         let blurred = start::positions(&tile.part.piece, &Start::Blur, spacing, bounds)?;
         let starts = tile.is_fixed().into_iter().zip(x).zip(blurred);
         let start = |((is_fixed, x), blurred): ((bool, &R), f32)| {

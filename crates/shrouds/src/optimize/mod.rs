@@ -30,6 +30,7 @@ mod relax;
 mod report;
 mod rough;
 mod settings;
+pub(crate) mod shares;
 mod start;
 mod strip;
 mod sweeps;
@@ -45,7 +46,7 @@ pub use progress::{Observer, Positions, Progress};
 pub(crate) use relax::EnergySum;
 pub use report::{ComponentVolume, Report, Round, Status};
 pub use settings::{Crease, Preset, Settings, Solver, Start, VolumeRule};
-pub(crate) use tile::{BLOCK, Tiling};
+pub(crate) use tile::{BLOCK, HALO, Tiling};
 
 use std::sync::Arc;
 

@@ -12,7 +12,7 @@ use crate::optimize::progress::deltas;
 use crate::optimize::relax::{EnergySum, GROUP, visit_all};
 use crate::optimize::settings::{Preset, Settings, Solver, Start, VolumeRule};
 use crate::optimize::tile::{ABOVE, BELOW, HALO, Tiling};
-use crate::optimize::{flat, start};
+use crate::optimize::{flat, shares, start};
 use crate::surface::{Region, Surface};
 use crate::volume::Occupancy;
 
@@ -90,9 +90,10 @@ pub(crate) struct Piece<'a> {
     pub(crate) own: Region,
 }
 
-/// What a pass finds for the vertices that are known; only those of the piece are right.
+/// What a pass finds for the vertices that are known; slopes of those of the piece, shares of all that its tiles move.
 pub(crate) struct Found {
-    pub(crate) x: Vec<f32>,
+    /// The shares of the piece's tiles in the positions.
+    pub(crate) shares: Vec<u32>,
     pub(crate) slopes: Vec<[f32; 2]>,
     /// Of the vertices of the piece.
     pub(crate) energy: EnergySum,
@@ -121,13 +122,13 @@ impl Piece<'_> {
         let flatness = flat::flatness_within(self.volume, self.first, self.surface);
         let conditions = Conditions::new(self.surface, settings, &pass.energy, &flatness);
         let conditions = Conditions { mean_energy, ..conditions };
-        let mut found =
-            Found { x: x.to_vec(), slopes: vec![[0.0; 2]; x.len()], energy: EnergySum::default() };
+        let (shares, slopes) = (vec![0; x.len()], vec![[0.0; 2]; x.len()]);
+        let mut found = Found { shares, slopes, energy: EnergySum::default() };
         let tiles = self.tiling.tiles(self.surface, &self.own);
         for tiles in tiles.chunks(GROUP) {
             let visits = visit_all(self.surface, &conditions, tiles, &[pass.steps], 0.0, x);
             for (tile, visit) in visits {
-                tile.write(&visit.x, &mut found.x);
+                shares::add(&tile, &visit.x, &mut found.shares);
                 tile.write(&visit.slopes, &mut found.slopes);
                 found.energy.add(visit.energy_of_vertices);
             }

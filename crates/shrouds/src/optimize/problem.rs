@@ -47,7 +47,7 @@ impl<'a> Conditions<'a> {
     ) -> Self {
         let grid = surface.grid();
         let spacing = grid.spacing().map(|h| h / grid.min_spacing());
-        let bounds = [settings.margin, 1.0 - settings.margin];
+        let bounds = settings.bounds();
         Self {
             energy,
             spacing,

@@ -9,6 +9,7 @@ use crate::optimize::problem::Conditions;
 use crate::optimize::progress::{Observer, Positions, Progress};
 use crate::optimize::real::Real;
 use crate::optimize::report::{Round, Stationarity, Status};
+use crate::optimize::shares;
 use crate::optimize::tile::{Tile, TilePoints, Tiling, partition};
 use crate::optimize::visit::{Moment, Visit, Watch, visit};
 use crate::parallel;
@@ -179,35 +180,40 @@ impl Work<'_> {
             let tile = Tile::cut(surface, TilePoints::all(surface));
             let own = tile.read(x, R::from_f64(0.5));
             let visit = visit(&tile, &conditions, passes, least, own, Some(watch));
-            self.finish(&mut pass, &tile, visit, x);
+            tile.write(&visit.x, x);
+            self.finish(&mut pass, &tile, visit);
             return pass;
         }
         // On the way to convergence what one tile finds is the surroundings of the next. Tiles of the
         // lattice know nothing of each other, and do not depend on the extent of the surface.
         let converges = passes.iter().flat_map(|steps| *steps).any(|effort| effort.converges);
-        let before = if converges { Vec::new() } else { x.to_vec() };
         let colours: Vec<Vec<TilePoints>> = match converges {
             true => partition(surface, TILE, shifted).into(),
             false => vec![Tiling::of(surface).tiles(surface, &surface.points())],
         };
+        let mut shares = vec![0; if converges { 0 } else { x.len() }];
         let groups: Vec<&[TilePoints]> = colours.iter().flat_map(|c| c.chunks(GROUP)).collect();
         for (done, tiles) in groups.iter().enumerate() {
-            let x_there: &[R] = if converges { x } else { &before };
-            let found = visit_all(surface, &conditions, tiles, passes, least, x_there);
-            for (tile, visit) in found {
-                self.finish(&mut pass, &tile, visit, x);
+            for (tile, visit) in visit_all(surface, &conditions, tiles, passes, least, x) {
+                match converges {
+                    true => tile.write(&visit.x, x),
+                    false => shares::add(&tile, &visit.x, &mut shares),
+                }
+                self.finish(&mut pass, &tile, visit);
             }
             if watch(pass.moment((done + 1) as f64 / groups.len() as f64, x)) {
                 pass.status = Status::Cancelled;
-                break;
+                return pass;
             }
+        }
+        for (x, share) in x.iter_mut().zip(shares) {
+            *x = R::from_f64(shares::position(share, conditions.bounds));
         }
         pass
     }
 
-    /// Takes in what the visit of a tile brought.
-    fn finish<R: Real>(&mut self, pass: &mut Pass, tile: &Tile, visit: Visit<R>, x: &mut [R]) {
-        tile.write(&visit.x, x);
+    /// Takes in what the visit of a tile brought besides the positions.
+    fn finish<R>(&mut self, pass: &mut Pass, tile: &Tile, visit: Visit<R>) {
         tile.write(&visit.slopes, &mut self.relaxed.slopes);
         pass.add(visit);
     }

@@ -162,6 +162,11 @@ impl Settings {
         })
     }
 
+    /// Between what positions along the grid edges stay.
+    pub(crate) fn bounds(&self) -> [f64; 2] {
+        [self.margin, 1.0 - self.margin]
+    }
+
     /// Whether the work goes on until the stop rule is satisfied.
     pub fn converges(&self) -> bool {
         self.solver == Solver::Sweeps || self.preset == Preset::Exact

@@ -37,7 +37,7 @@ impl TilePoints {
 
 /// The curves through some lattice points, with enough around them to know their energy.
 pub(super) struct Tile<'a> {
-    points: TilePoints,
+    pub(super) points: TilePoints,
     pub(super) part: Part<'a>,
     pub(super) network: Network,
 }
@@ -117,9 +117,9 @@ pub(crate) const BLOCK: usize = 128;
 /// Smallest edge of such a tile, and the most vertices of one that can be cut.
 const EDGE: usize = 64;
 const MOST: usize = 75_000;
-/// How many lattice points around its own a tile moves too: what the tiles beside it find where they meet
-/// then differs next to nothing (see docs/decisions.md).
-pub(crate) const HALO: usize = 4;
+/// How many lattice points around its own a tile moves too. Where tiles meet, positions go over from what
+/// one finds to what the other does, over twice as many points (see [`shares`](crate::optimize::shares)).
+pub(crate) const HALO: usize = 2;
 
 /// Where the tiles of a lattice meet: after every [`BLOCK`] voxels, and half-way where there are many
 /// vertices between. The layers of a closed border belong to the tiles they touch. A tile depends on the
@@ -147,7 +147,7 @@ impl Tiling {
         Self { voxels, margin, first }
     }
 
-    /// The tiles of some points of the piece that hold vertices, block by block, x fastest.
+    /// The tiles of some points of the piece that move vertices, block by block, x fastest.
     pub(super) fn tiles(&self, piece: &Surface, points: &Region) -> Vec<TilePoints> {
         let [x, y, z] = [0, 1, 2].map(|d| self.parts(d, &points[d], BLOCK));
         let mut tiles = Vec::new();
@@ -174,8 +174,9 @@ impl Tiling {
                 }
             }
         }
-        if count > 0 {
-            tiles.push(TilePoints { free: piece.widened(&own, [HALO; 2]), own });
+        let free = piece.widened(&own, [HALO; 2]);
+        if piece.vertices_within(&free) > 0 {
+            tiles.push(TilePoints { own, free });
         }
     }
 
