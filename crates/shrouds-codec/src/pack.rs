@@ -1,6 +1,6 @@
 //! Volume in, file out.
 
-use std::io::Write;
+use std::io::{self, Write};
 
 use rayon::prelude::*;
 use shrouds::volume::{Border, FaceRule};
@@ -85,6 +85,34 @@ pub struct Planes {
     pub payloads: Vec<(Vec<u8>, u32)>,
 }
 
+impl Planes {
+    /// By how many bytes a file with these planes is longer than one of the same lattice and settings
+    /// without.
+    ///
+    /// # Errors
+    /// Those of [`pack_with_planes`].
+    pub fn bytes(&self, grid: &Grid, settings: &Settings) -> Result<u64, Error> {
+        let header = settings.header(grid.clone(), Content::Volume)?;
+        let without = Writer::new(&header, io::sink())?.packed.bytes;
+        let mut with = Writer::new(&self.announced(header)?, io::sink())?;
+        with.planes(self)?;
+        Ok(with.packed.bytes - without)
+    }
+
+    /// A header that tells of these planes.
+    fn announced(&self, mut header: Header) -> Result<Header, Error> {
+        header.planes = match self.payloads.len() {
+            count @ 0..=8 => count as u8,
+            more => {
+                let (value, range) = (more.to_string(), "0 to 8".into());
+                return Err(Error::Setting { name: "the number of bit planes", value, range });
+            }
+        };
+        header.plane_settings.clone_from(&self.settings);
+        Ok(header)
+    }
+}
+
 /// What was written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Packed {
@@ -119,19 +147,9 @@ pub fn pack_with_planes(
     planes: &Planes,
     out: impl Write,
 ) -> Result<Packed, Error> {
-    let mut header = settings.header(volume.grid().clone(), Content::Volume)?;
-    header.planes = match planes.payloads.len() {
-        count @ 0..=8 => count as u8,
-        more => {
-            let (value, range) = (more.to_string(), "0 to 8".into());
-            return Err(Error::Setting { name: "the number of bit planes", value, range });
-        }
-    };
-    header.plane_settings.clone_from(&planes.settings);
+    let header = planes.announced(settings.header(volume.grid().clone(), Content::Volume)?)?;
     let mut writer = pack_topology(volume, header, out)?;
-    for (plane, coded) in (1..).zip(&planes.payloads) {
-        writer.plane(plane, coded.clone())?;
-    }
+    writer.planes(planes)?;
     Ok(writer.finish()?.0)
 }
 
@@ -228,9 +246,12 @@ impl<W: Write> Writer<W> {
         self.chunk(Chunk { kind, number: slab as u64, payload, decoded_sum })
     }
 
-    fn plane(&mut self, number: u64, (payload, decoded_sum): (Vec<u8>, u32)) -> Result<(), Error> {
-        self.packed.planes += payload.len() as u64;
-        self.chunk(Chunk { kind: Kind::Plane, number, payload, decoded_sum })
+    fn planes(&mut self, planes: &Planes) -> Result<(), Error> {
+        for (number, (payload, decoded_sum)) in (1..).zip(planes.payloads.iter().cloned()) {
+            self.packed.planes += payload.len() as u64;
+            self.chunk(Chunk { kind: Kind::Plane, number, payload, decoded_sum })?;
+        }
+        Ok(())
     }
 
     fn chunk(&mut self, chunk: Chunk) -> Result<(), Error> {

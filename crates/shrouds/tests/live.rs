@@ -64,6 +64,21 @@ fn all_cells(surface: &Surface) -> Ranges {
     surface.grid().dims().map(|points| 0..points - 1)
 }
 
+#[test]
+fn what_is_resumed_goes_on_as_if_it_had_never_stopped() {
+    let mut volume = rod(150);
+    let settings = settings(Preset::Default);
+    let mut live = LiveShroud::new(&volume, &settings).unwrap();
+    let (surface, delta) = fresh(&volume, &settings);
+    let mut resumed = LiveShroud::resume(surface.clone(), delta.clone(), &settings).unwrap();
+    let region = ball(&mut volume, [26, 15, 60], 5, true);
+    let changes = [&mut live, &mut resumed].map(|live| live.update(&volume, region.clone()));
+    assert_eq!(changes[0].as_ref().unwrap(), changes[1].as_ref().unwrap());
+    assert_eq!(live.delta(), resumed.delta());
+    let few = LiveShroud::resume(surface, delta[1..].to_vec(), &settings);
+    assert!(matches!(few.err(), Some(Error::Setting { name: "delta", .. })));
+}
+
 const EDITS: [([usize; 3], usize, bool); 5] = [
     ([26, 15, 60], 5, true),
     ([16, 25, 120], 4, false),

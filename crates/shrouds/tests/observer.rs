@@ -57,6 +57,22 @@ fn the_observer_sees_every_step_and_changes_nothing() {
 }
 
 #[test]
+fn the_observer_sees_the_gradient() {
+    let surface = surface_of(&phantom::linked_tori(24).unwrap());
+    for settings in ways().into_iter().filter(|settings| settings.preset != Preset::Exact) {
+        let mut gradients = Vec::new();
+        let optimum = optimize(&surface, &settings, &mut |now| {
+            gradients.extend(now.gradient);
+            ControlFlow::Continue(())
+        });
+        let report = optimum.unwrap().report;
+        assert_eq!(gradients.len(), report.iterations);
+        assert_eq!(gradients.last(), Some(&report.projected_gradient));
+        assert!(gradients[0] > report.projected_gradient);
+    }
+}
+
+#[test]
 fn a_surface_of_many_tiles_is_seen_too() {
     let surface = surface_of(&phantom::gyroid(200).unwrap());
     assert!(surface.vertex_count() > 500_000);

@@ -33,6 +33,8 @@ struct State {
     /// Number of the work that goes on or was the last.
     work: u64,
     is_closed: bool,
+    /// Number of the newest packing; those before must end.
+    packing: u64,
     /// The surface of the positions that the page has and has not drawn yet.
     drawing: Option<u32>,
     /// The newest positions that came meanwhile.
@@ -56,14 +58,16 @@ impl Control {
 
     /// Ends all work for good.
     pub(super) fn close(&self) {
-        self.lock().is_closed = true;
+        let mut state = self.lock();
+        (state.is_closed, state.packing) = (true, state.packing + 1);
+        drop(state);
         self.changed.notify_all();
     }
 
     /// Ends the work that goes on.
     pub(super) fn end(&self) {
         let mut state = self.lock();
-        state.ended = state.work;
+        (state.ended, state.packing) = (state.work, state.packing + 1);
         drop(state);
         self.changed.notify_all();
     }
@@ -71,8 +75,25 @@ impl Control {
     /// The number of work that begins.
     pub(super) fn begin(&self) -> u64 {
         let mut state = self.lock();
-        state.work += 1;
+        (state.work, state.packing) = (state.work + 1, state.packing + 1);
         state.work
+    }
+
+    /// The number of a packing that begins. Whatever changes the surface ends it.
+    pub(super) fn begin_packing(&self) -> u64 {
+        let mut state = self.lock();
+        state.packing += 1;
+        state.packing
+    }
+
+    /// Ends the packing that goes on.
+    pub(super) fn end_packing(&self) {
+        self.lock().packing += 1;
+    }
+
+    /// Whether this packing is still the newest.
+    pub(super) fn is_packing(&self, number: u64) -> bool {
+        self.lock().packing == number
     }
 
     /// Whether this work is to end. Calls `pausing` before it waits.

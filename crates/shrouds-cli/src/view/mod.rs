@@ -19,6 +19,7 @@ mod pick;
 mod place;
 mod request;
 mod scene;
+mod sizes;
 mod solver;
 mod surface;
 mod typed;
@@ -86,7 +87,10 @@ impl Session {
                 return control.acknowledge(&self.page, *revision);
             }
             (Task::Pause { .. }, Some(control)) => control.wish(Wish::Pause),
-            (Task::Cancel { .. }, Some(control)) => control.wish(Wish::Cancel),
+            (Task::Cancel { .. }, Some(control)) => {
+                control.wish(Wish::Cancel);
+                control.end_packing();
+            }
             (Task::Run { .. }, Some(control)) => control.wish(Wish::Run),
             (Task::Step { .. }, Some(control)) => control.wish(Wish::Step),
             _ => {}

@@ -1,9 +1,8 @@
-//! A surface in numbers: measures, sizes, the report and the call that makes the same.
+//! A surface in numbers: measures, the report and the call that makes the same.
 
-use serde_json::{Map, Value, json};
+use serde_json::json;
 use shrouds::Shroud;
-use shrouds::volume::{Border, FaceRule};
-use shrouds_codec::{Planes, Settings, geometry, pack_with_planes};
+use shrouds_codec::{Settings, geometry, pack_with_planes};
 use shrouds_report::looks::roughness;
 
 use super::request::ViewNumber;
@@ -15,11 +14,8 @@ use crate::failure::Failure;
 use crate::report::{Report, peak_memory};
 use crate::work;
 
-/// For how many bits a vertex the size of a packed file is told.
-const BITS: [u8; 5] = [0, 1, 2, 4, 8];
-
 impl Worker {
-    pub(super) fn numbers(&self, id: u64, view: ViewNumber, bits: bool) -> Result<(), Ended> {
+    pub(super) fn numbers(&self, id: u64, view: ViewNumber) -> Result<(), Ended> {
         let surface = self.surface(view)?;
         self.page.progress("measuring", None);
         let shroud = surface.now();
@@ -46,7 +42,6 @@ impl Worker {
                 "ok": checks.ok,
                 "problems": checks.problems,
                 "roughness": roughness(&shroud.mesh),
-                "bits": if bits { sizes(surface, &shroud)? } else { Value::Null },
                 "times": times,
             }),
         )
@@ -89,27 +84,23 @@ fn judged(surface: &Surface, shroud: &Shroud) -> Result<Report, Failure> {
     work::judge(&shroud.mesh, &surface.source, &surface.job, &shroud.report, shroud.times)
 }
 
-/// Bytes of the packed file by the bits that each vertex has in it.
-fn sizes(surface: &Surface, shroud: &Shroud) -> Result<Value, Failure> {
-    let mut sizes = Map::new();
-    for bits in BITS {
-        sizes.insert(bits.to_string(), packed(surface, shroud, bits)?.len().into());
+/// How the volume of a surface is packed.
+pub(super) fn packing(surface: &Surface) -> Settings {
+    let settings = &surface.job.settings;
+    let frame = &surface.source.frame;
+    Settings {
+        faces: settings.faces,
+        border: settings.border,
+        space: frame.name.clone(),
+        unit: frame.unit.clone(),
+        ..Settings::default()
     }
-    Ok(sizes.into())
 }
 
 /// The volume and so many bits for the place of every vertex as `shrouds pack` puts them into a file.
 pub(super) fn packed(surface: &Surface, shroud: &Shroud, bits: u8) -> Result<Vec<u8>, Failure> {
-    let planes = match bits {
-        0 => Planes::default(),
-        _ => geometry::encode(&shroud.surface, &shroud.delta, bits.into())?,
-    };
-    let (faces, border): (FaceRule, Border) =
-        (surface.job.settings.faces, surface.job.settings.border);
-    let frame = &surface.source.frame;
-    let (space, unit) = (frame.name.clone(), frame.unit.clone());
-    let settings = Settings { faces, border, space, unit, ..Settings::default() };
+    let planes = geometry::encode(&shroud.surface, &shroud.delta, bits.into())?;
     let mut bytes = Vec::new();
-    pack_with_planes(&surface.source.occupancy, &settings, &planes, &mut bytes)?;
+    pack_with_planes(&surface.source.occupancy, &packing(surface), &planes, &mut bytes)?;
     Ok(bytes)
 }

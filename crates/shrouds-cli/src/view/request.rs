@@ -77,8 +77,9 @@ pub(super) enum Task {
     },
     Numbers {
         view: ViewNumber,
-        #[serde(default)]
-        bits: bool,
+    },
+    Sizes {
+        view: ViewNumber,
     },
     Pick {
         view: ViewNumber,
@@ -108,12 +109,20 @@ pub(super) enum Task {
         add: bool,
         centre: [f64; 3],
         radius: f64,
+        /// Dabs of one stroke have the same number, and are taken back together.
+        stroke: Option<u64>,
+        #[serde(default)]
+        follow: bool,
     },
     Undo {
         slot: Slot,
+        #[serde(default)]
+        follow: bool,
     },
     Redo {
         slot: Slot,
+        #[serde(default)]
+        follow: bool,
     },
     Export {
         view: ViewNumber,
@@ -236,7 +245,8 @@ impl Task {
             | Self::Reset { view }
             | Self::Cancel { view }
             | Self::Ack { view, .. }
-            | Self::Numbers { view, .. }
+            | Self::Numbers { view }
+            | Self::Sizes { view }
             | Self::Pick { view, .. }
             | Self::Colours { view, .. }
             | Self::Contours { view, .. }

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use rayon::ThreadPoolBuilder;
 use serde_json::json;
@@ -35,7 +35,8 @@ struct Watch<'a> {
     /// Spent in pauses.
     paused: Duration,
     before: Arc<[f32]>,
-    iteration: usize,
+    /// When the solver last handed out positions: the clock of this machine, which the page has, too.
+    at: f64,
 }
 
 impl Solver {
@@ -57,7 +58,7 @@ impl Solver {
         };
         let delta: Arc<[f32]> = self.surface.start.delta.iter().map(|&x| x as f32).collect();
         let (start, paused) = (Instant::now(), Duration::ZERO);
-        let mut watch = Watch { solver: self, work, start, paused, before: delta, iteration: 0 };
+        let mut watch = Watch { solver: self, work, start, paused, before: delta, at: 0.0 };
         let (volume, settings) = (&self.surface.source.occupancy, &self.surface.job.settings);
         let made = pool.install(|| shroud_observed(volume, settings, &mut |now| watch.look(now)));
         match made {
@@ -76,6 +77,12 @@ impl Solver {
     }
 }
 
+/// Since 1970, as a page counts.
+fn milliseconds() -> f64 {
+    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+    since.map_or(0.0, |time| 1000.0 * time.as_secs_f64())
+}
+
 fn in_words(error: &Error) -> String {
     format!("the surface could not be made: {error}")
 }
@@ -84,6 +91,7 @@ impl Watch<'_> {
     /// Tells the page how far it is, and waits or stops as the page wishes.
     fn look(&mut self, now: Progress) -> ControlFlow<()> {
         let Solver { surface, control, page, .. } = self.solver;
+        self.at = milliseconds();
         let delta: Arc<[f32]> = now.positions.deltas().into();
         let frame = Frame::deltas(surface.header(), delta.iter().copied());
         surface.pass(delta.clone());
@@ -91,7 +99,6 @@ impl Watch<'_> {
         if told.and_then(|()| control.offer(page, surface.revision, frame)).is_err() {
             return ControlFlow::Break(());
         }
-        self.iteration = now.iteration;
         let waiting = Instant::now();
         let pausing = || {
             let _ = self.pause(&now, &delta);
@@ -127,13 +134,15 @@ impl Watch<'_> {
                 "state": state,
                 "status": null,
                 "iteration": now.iteration,
-                "energy": now.energy,
-                "gradient": null,
+                // In the middle of a pass it is that of some tiles alone, and the gradient is not known.
+                "energy": now.gradient.map(|_| now.energy),
+                "gradient": now.gradient,
                 "largest_move": moves.fold(0.0, f32::max),
                 "change": now.change,
                 "tolerance": now.tolerance,
                 "seconds": self.seconds(),
                 "share": now.share_done,
+                "at": self.at,
             }),
         )
     }

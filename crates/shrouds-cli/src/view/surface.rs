@@ -6,9 +6,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use serde_json::{Value, json};
 use shrouds::mesh::{MeshKind, Triangles};
 use shrouds::network::{Curve, Network};
-use shrouds::optimize::{Start, VolumeRule};
+use shrouds::optimize::{Report, Start, VolumeRule};
 use shrouds::surface::Crossing;
-use shrouds::{Settings, Shroud, TriMesh, shroud_observed};
+use shrouds::{LiveShroud, Occupancy, Settings, Shroud, Times, TriMesh, shroud_observed};
 use shrouds_view::server::{Closed, Frame, Topology};
 
 use super::page::Page;
@@ -16,6 +16,7 @@ use super::place::Places;
 use super::request::{Slot, ViewNumber};
 use super::typed::Typed;
 use super::volumes::{Data, Name};
+use super::worker::Ended;
 use crate::failure::Failure;
 use crate::input::Source;
 use crate::settings::Job;
@@ -34,9 +35,10 @@ pub(super) struct Surface {
     pub(super) job: Job,
     pub(super) network: Network,
     pub(super) places: Places,
+    /// What the page was shown first: the start, or where the vertices were left by a change of the volume.
     pub(super) start: Arc<Shroud>,
-    /// Where the page shows the vertices first, if not at the start: δ.
-    kept: Option<Vec<f64>>,
+    /// Whether that is where the solver starts.
+    is_start: bool,
     shown: Mutex<Shown>,
 }
 
@@ -66,23 +68,30 @@ impl Surface {
         let mut job = typed.job()?;
         let volume = &data.source.occupancy;
         work::require_surface(volume, &job)?;
-        let begin = |settings: &Settings| {
-            shroud_observed(volume, &at_start(settings), &mut |_| ControlFlow::Continue(()))
-        };
-        let start = begin(&job.settings)?;
+        let start = begin(volume, &job.settings)?;
         let kept = before.and_then(|before| before.carry(&start));
         let start = match kept.clone().filter(|_| job.settings.optimize.converges()) {
             // It ends at the same place from anywhere, and from here sooner.
             Some(kept) => {
                 job.settings.optimize.start = Start::Given(kept.into());
-                begin(&job.settings)?
+                begin(volume, &job.settings)?
             }
             None => start,
         };
+        Ok(Self::new((view, revision, slot), data, (typed, job), (start, true), kept))
+    }
+
+    fn new(
+        (view, revision, slot): (ViewNumber, u32, Slot),
+        data: &Data,
+        (typed, job): (Typed, Job),
+        (start, is_start): (Shroud, bool),
+        kept: Option<Vec<f64>>,
+    ) -> Self {
         let start = Arc::new(start);
-        let shown =
-            Shown { shroud: start.clone(), is_result: false, passing: None, sent: start.clone() };
-        Ok(Self {
+        let passing = kept.map(|delta| delta.iter().map(|&x| x as f32).collect());
+        let shown = Shown { shroud: start.clone(), is_result: false, passing, sent: start.clone() };
+        Self {
             view,
             revision,
             slot,
@@ -92,11 +101,39 @@ impl Surface {
             typed,
             job,
             network: Network::trace(&start.surface),
-            places: Places::of(volume.grid()),
+            places: Places::of(data.source.occupancy.grid()),
             start,
-            kept,
+            is_start,
             shown: Mutex::new(shown),
-        })
+        }
+    }
+
+    /// What follows changes of the volume from where the vertices are now; nothing with settings that need the
+    /// surface as a whole.
+    pub(super) fn live(&self) -> Option<LiveShroud> {
+        let settings = self.typed.job().ok()?.settings;
+        let now = self.now();
+        LiveShroud::resume(now.surface.clone(), now.delta.clone(), &settings).ok()
+    }
+
+    /// The surface that takes the place of this one after a change of its volume, which `live` has followed.
+    pub(super) fn following(
+        &self,
+        revision: u32,
+        data: &Data,
+        live: &LiveShroud,
+    ) -> Result<Self, Failure> {
+        let mut job = self.typed.job()?;
+        let (surface, delta) = (live.surface().clone(), live.delta().to_vec());
+        if job.settings.optimize.converges() {
+            job.settings.optimize.start = Start::Given(delta.clone().into());
+        }
+        let Settings { mesh, triangles, .. } = job.settings;
+        let mesh = TriMesh::place(&surface, &Network::trace(&surface), &delta, mesh, triangles);
+        let (report, times) = (Report::default(), Times::default());
+        let found = Shroud { surface, delta, mesh, report, times };
+        let of = (self.view, revision, self.slot);
+        Ok(Self::new(of, data, (self.typed.clone(), job), (found, false), None))
     }
 
     /// What the page is told first.
@@ -111,7 +148,8 @@ impl Surface {
             // Every vertex begins one on each of its curves, unless it ends there.
             "segments": self.network.curves().map(|curve| segments(&curve)).sum::<usize>(),
             "components": surface.components().count(),
-            "energy": self.start.report.energy[0],
+            "energy": self.is_start.then_some(self.start.report.energy[0]),
+            "followed": !self.is_start,
             "keeps": self.job.energy(),
         } })
     }
@@ -141,15 +179,16 @@ impl Surface {
         let network = &self.network;
         let topology = Topology { surface, network, triangles: &triangles, are_fixed };
         page.frame(Frame::topology(self.header(), &topology))?;
-        self.send_deltas(page, self.kept.as_deref().unwrap_or(&self.start.delta))?;
-        self.send_mesh(page, &self.start)
+        let now = self.now();
+        self.send_deltas(page, &now.delta)?;
+        self.send_mesh(page, &now)
     }
 
     /// The δ that this surface has for the vertices of another one, and those of the other where it has
     /// no such vertex; none if it never left its start.
     fn carry(&self, start: &Shroud) -> Option<Vec<f64>> {
         let now = self.now();
-        let is_at_start = Arc::ptr_eq(&now, &self.start) && self.kept.is_none();
+        let is_at_start = Arc::ptr_eq(&now, &self.start) && self.is_start;
         let is_same_lattice = now.surface.grid() == start.surface.grid();
         if is_at_start || !is_same_lattice {
             return None;
@@ -171,13 +210,17 @@ impl Surface {
     }
 
     /// Goes back to the start.
-    pub(super) fn reset(&self, page: &Page) -> Result<(), Closed> {
+    pub(super) fn reset(&self, page: &Page) -> Result<(), Ended> {
+        let start = match self.is_start {
+            true => self.start.clone(),
+            false => Arc::new(begin(&self.source.occupancy, &self.job.settings)?),
+        };
         {
             let mut shown = self.shown();
-            (shown.shroud, shown.is_result, shown.passing) = (self.start.clone(), false, None);
+            (shown.shroud, shown.is_result, shown.passing) = (start.clone(), false, None);
         }
-        self.send_deltas(page, &self.start.delta)?;
-        self.send_end(page, &self.start)
+        let sent = self.send_deltas(page, &start.delta).and_then(|()| self.send_end(page, &start));
+        sent.map_err(|_| Ended::Closed)
     }
 
     fn send_deltas(&self, page: &Page, delta: &[f64]) -> Result<(), Closed> {
@@ -257,6 +300,11 @@ fn segments(curve: &Curve) -> usize {
         0 | 1 => 0,
         count => count - usize::from(!curve.closed),
     }
+}
+
+/// The surface of a volume where the solver starts.
+fn begin(volume: &Occupancy, settings: &Settings) -> Result<Shroud, Failure> {
+    Ok(shroud_observed(volume, &at_start(settings), &mut |_| ControlFlow::Continue(()))?)
 }
 
 /// Settings that leave the start as it is. Volumes are kept from the first iteration on.

@@ -7,16 +7,20 @@ use std::thread::JoinHandle;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde_json::{Value, json};
+use shrouds::LiveShroud;
 use shrouds::energy::{Parameter, catalogue};
+use shrouds::live::Ranges;
 use shrouds::volume::phantom::NAMES;
 use shrouds_view::server::{Closed, Files};
 
 use super::control::{Control, Wish};
+use super::edit::Ball;
 use super::export;
 use super::look;
 use super::page::Page;
 use super::request::{Origin, Request, Settings, Slot, Task, ViewNumber};
 use super::scene::Sonar;
+use super::sizes::Sizes;
 use super::solver::Solver;
 use super::surface::Surface;
 use super::typed::{self, Typed};
@@ -25,6 +29,7 @@ use super::{Host, VIEWS};
 use crate::args::FrameChoice;
 use crate::energies;
 use crate::failure::Failure;
+use crate::input::Source;
 use crate::phantom;
 use crate::scene;
 
@@ -33,6 +38,7 @@ pub(super) struct Worker {
     pub(super) page: Page,
     pub(super) files: Files,
     controls: [Arc<Control>; VIEWS],
+    pub(super) sizes: Sizes,
     slots: [Option<Data>; Slot::COUNT],
     views: [Option<View>; VIEWS],
     /// How many surfaces there were.
@@ -48,6 +54,8 @@ pub(super) struct Worker {
 struct View {
     surface: Arc<Surface>,
     thread: Option<JoinHandle<()>>,
+    /// What follows the changes of the volume by hand, as long as no solver has been at work since.
+    live: Option<LiveShroud>,
 }
 
 /// Why a request has no answer: it was refused, or there is nobody to tell.
@@ -70,6 +78,7 @@ impl Worker {
         host: &Host,
     ) -> Self {
         Self {
+            sizes: Sizes::new(page.clone()),
             page,
             files,
             controls,
@@ -127,7 +136,8 @@ impl Worker {
             Task::Shroud { view, slot, settings } => self.shroud(id, view, slot, &settings),
             Task::Run { view } | Task::Step { view } => self.run(id, view),
             Task::Reset { view } => self.reset(id, view),
-            Task::Numbers { view, bits } => self.numbers(id, view, bits),
+            Task::Numbers { view } => self.numbers(id, view),
+            Task::Sizes { view } => self.sizes(id, view),
             Task::Report { view } => self.report(id, view),
             Task::Command { view } => self.command(id, view),
             Task::Pick { view, vertex } => self.pick(id, view, vertex),
@@ -135,9 +145,11 @@ impl Worker {
             Task::Contours { view, axis, every } => self.contours(id, view, axis.0, every),
             Task::Points { slot, near } => self.points(id, slot, near),
             Task::Slice { slot, axis, index } => self.slice(id, slot, axis.0, index),
-            Task::Brush { slot, add, centre, radius } => self.brush(id, slot, add, centre, radius),
-            Task::Undo { slot } => self.undo(id, slot),
-            Task::Redo { slot } => self.redo(id, slot),
+            Task::Brush { slot, add, centre, radius, stroke, follow } => {
+                self.brush(id, slot, follow, stroke, &Ball { add, centre, radius })
+            }
+            Task::Undo { slot, follow } => self.undo(id, slot, follow),
+            Task::Redo { slot, follow } => self.redo(id, slot, follow),
             Task::Export { view, format, frame } => {
                 let frame = frame.map_or(FrameChoice::World, |frame| frame.0);
                 self.export(id, view, &format, frame)
@@ -171,6 +183,10 @@ impl Worker {
         self.views[view.index()].as_ref().map(|view| &view.surface).ok_or_else(|| {
             Failure::Call(format!("view {} is empty: make a shroud first", view.number()))
         })
+    }
+
+    pub(super) fn control(&self, view: ViewNumber) -> &Arc<Control> {
+        &self.controls[view.index()]
     }
 
     fn hello(&self) -> Value {
@@ -233,15 +249,21 @@ impl Worker {
         let data = self.data(slot)?;
         self.page.progress("finding the surface", None);
         let surface = Surface::begin(view, self.revisions + 1, slot, data, typed, before)?;
-        let surface = Arc::new(surface);
         if let Some(names) = energies::destructive(&surface.job.energy()) {
             self.page
                 .warn(&format!("{names} may destroy parts one voxel thin; bending keeps them"));
         }
         self.stop(view);
+        Ok(self.show_surface(surface, None))
+    }
+
+    /// Puts a surface into its view.
+    fn show_surface(&mut self, surface: Surface, live: Option<LiveShroud>) -> Arc<Surface> {
+        let surface = Arc::new(surface);
         self.revisions += 1;
-        self.views[view.index()] = Some(View { surface: surface.clone(), thread: None });
-        Ok(surface)
+        let view = View { surface: surface.clone(), thread: None, live };
+        self.views[surface.view.index()] = Some(view);
+        surface
     }
 
     /// The views that show a surface of a volume.
@@ -254,6 +276,28 @@ impl Worker {
     pub(super) fn begin_again(&mut self, view: ViewNumber) -> Result<Arc<Surface>, Failure> {
         let before = self.surface(view)?.clone();
         self.begin(view, before.slot, before.typed.clone(), Some(&before))
+    }
+
+    /// Lets the surface of a view follow a change of its volume within `region`: what the change reaches is
+    /// solved again, all else stays. Nothing where that cannot be: with settings that need the
+    /// surface as a whole, or when `before`, the volume before the change, is not what it was made of.
+    pub(super) fn follow(
+        &mut self,
+        view: ViewNumber,
+        before: &Arc<Source>,
+        region: Ranges,
+    ) -> Result<Option<Arc<Surface>>, Failure> {
+        let surface = self.surface(view)?.clone();
+        if !Arc::ptr_eq(&surface.source, before) {
+            return Ok(None);
+        }
+        self.stop(view);
+        let kept = self.views[view.index()].as_mut().and_then(|view| view.live.take());
+        let Some(mut live) = kept.or_else(|| surface.live()) else { return Ok(None) };
+        let data = self.data(surface.slot)?;
+        live.update(&data.source.occupancy, region)?;
+        let next = surface.following(self.revisions + 1, data, &live)?;
+        Ok(Some(self.show_surface(next, Some(live))))
     }
 
     /// Ends the work of a view and waits until it has ended.
@@ -283,20 +327,17 @@ impl Worker {
         let (control, page) = (self.controls[view].clone(), self.page.clone());
         let thread = Solver { surface, control, page, threads: self.threads }.begin();
         if let Some(view) = &mut self.views[view] {
-            view.thread = Some(thread);
+            (view.thread, view.live) = (Some(thread), None);
         }
-    }
-
-    /// Runs the solver of a surface that follows another one.
-    pub(super) fn solve(&mut self, surface: Arc<Surface>) {
-        self.controls[surface.view.index()].wish(Wish::Run);
-        self.begin_solver(surface);
     }
 
     fn reset(&mut self, id: u64, view: ViewNumber) -> Result<(), Ended> {
         let surface = self.surface(view)?.clone();
         self.stop(view);
+        if let Some(view) = &mut self.views[view.index()] {
+            view.live = None;
+        }
         self.answer(id, &json!({}))?;
-        surface.reset(&self.page).map_err(|_| Ended::Closed)
+        surface.reset(&self.page)
     }
 }

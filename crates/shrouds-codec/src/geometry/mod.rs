@@ -42,31 +42,70 @@ const SWEEPS: usize = 5;
 /// [`Error::Setting`] when there is not one δ per vertex, one is not a number, or there are more than
 /// eight planes.
 pub fn encode(surface: &Surface, delta: &[f64], planes: usize) -> Result<Planes, Error> {
-    let wrong =
-        |name, value: String, range: &str| Error::Setting { name, value, range: range.into() };
     if planes > MAX_PLANES {
         return Err(wrong("the number of bit planes", planes.to_string(), "0 to 8"));
     }
+    if planes == 0 {
+        return check(surface, delta).map(|()| Planes::default());
+    }
+    let mut encoder = PlaneEncoder::new(surface, delta)?;
+    (0..planes).for_each(|_| encoder.code_next());
+    Ok(encoder.planes)
+}
+
+fn wrong(name: &'static str, value: String, range: &str) -> Error {
+    Error::Setting { name, value, range: range.into() }
+}
+
+/// Refuses what is not one δ for each vertex.
+fn check(surface: &Surface, delta: &[f64]) -> Result<(), Error> {
     if delta.len() != surface.vertex_count() {
         let range = format!("{}, one per vertex", surface.vertex_count());
         return Err(wrong("the number of places", delta.len().to_string(), &range));
     }
-    if let Some(odd) = delta.iter().find(|delta| !(0.0..=1.0).contains(*delta)) {
-        return Err(wrong("the place of a vertex", odd.to_string(), "between 0 and 1"));
+    match delta.iter().find(|delta| !(0.0..=1.0).contains(*delta)) {
+        Some(odd) => Err(wrong("the place of a vertex", odd.to_string(), "between 0 and 1")),
+        None => Ok(()),
     }
-    if planes == 0 {
-        return Ok(Planes::default());
+}
+
+/// Codes bit planes one after the other, for who wants to know of each as it comes. The first planes of
+/// many are those of few.
+pub struct PlaneEncoder<'a> {
+    delta: &'a [f64],
+    steps: Vec<u8>,
+    state: State,
+    planes: Planes,
+}
+
+impl<'a> PlaneEncoder<'a> {
+    /// Before the first plane.
+    ///
+    /// # Errors
+    /// Those of [`encode`].
+    pub fn new(surface: &Surface, delta: &'a [f64]) -> Result<Self, Error> {
+        check(surface, delta)?;
+        let steps = delta.iter().map(|delta| (delta * 256.0).min(255.0) as u8).collect();
+        Ok(Self { delta, steps, state: State::new(surface), planes: Planes::default() })
     }
-    let steps: Vec<u8> = delta.iter().map(|delta| (delta * 256.0).min(255.0) as u8).collect();
-    let mut state = State::new(surface);
-    let mut coded = Planes::default();
-    for plane in 0..planes {
+
+    /// Codes one more plane, unless there are [`MAX_PLANES`].
+    pub fn code_next(&mut self) {
+        let Self { delta, steps, state, planes } = self;
+        let plane = planes.payloads.len();
+        if plane == MAX_PLANES {
+            return;
+        }
         let mut encoder = Encoder::new();
         let sum = state.plane(&mut encoder, plane, |v| steps[v] >> (7 - plane) & 1 == 1);
-        coded.payloads.push((encoder.finish(), sum));
-        coded.settings.extend(state.best_hints(delta));
+        planes.payloads.push((encoder.finish(), sum));
+        planes.settings.extend(state.best_hints(delta));
     }
-    Ok(coded)
+
+    /// The planes so far.
+    pub fn planes(&self) -> &Planes {
+        &self.planes
+    }
 }
 
 /// What some bit planes say.

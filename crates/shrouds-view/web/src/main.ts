@@ -23,7 +23,6 @@ import { Store, type State } from "./state.ts";
 const part = <T extends HTMLElement>(id: string): T => document.getElementById(id) as T;
 
 async function start(): Promise<void> {
-  // The program answers while the graphics card gets ready.
   const scheme = location.protocol === "https:" ? "wss" : "ws";
   const socket = new WebSocket(`${scheme}://${location.host}/ws${location.search}`);
   const store = new Store(fromAddress(location.hash));
@@ -31,17 +30,20 @@ async function start(): Promise<void> {
   const canvas = part<HTMLCanvasElement>("canvas");
   const panes = part("panes");
   makePanes(panes, store);
-  const stage = makeStage(canvas, store, panes);
-  if (!stage) return;
   notice("Connecting…");
-  const session = await Session.start(socket, store, stage);
+  const session = await Session.start(socket, store);
   notice();
+  // The program makes the first surface while the graphics card gets ready.
+  const restored = restore(session);
+  const stage = makeStage(canvas, store, panes);
+  if (!stage) return socket.close();
+  session.screen = stage;
   build(session, stage, canvas, panes);
   react(session, stage);
   remember(store);
   // For tests and for people with a console.
   Object.assign(window, { shrouds: { session, store, stage } });
-  await restore(session);
+  await restored;
 }
 
 function makeStage(canvas: HTMLCanvasElement, store: Store, panes: HTMLElement): Stage | undefined {

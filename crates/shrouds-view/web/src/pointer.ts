@@ -32,7 +32,9 @@ export function pointer(canvas: HTMLCanvasElement, session: Session, stage: Stag
     const active = stage.paneAt(...at);
     if (active >= 0) store.set({ active });
     painting = due = store.state.brush && event.button === 0;
-    if (painting) void hover();
+    if (!painting) return;
+    session.beginStroke();
+    void hover();
   });
   canvas.addEventListener("pointermove", (event) => {
     at = place(event);
@@ -44,6 +46,7 @@ export function pointer(canvas: HTMLCanvasElement, session: Session, stage: Stag
     const still = down && Math.hypot(x - down[0], y - down[1]) < STILL;
     const hit = still && !painting && event.button === 0 ? stage.hit(x, y) : undefined;
     if (hit) pick(hit);
+    if (painting) session.endStroke();
     painting = false;
     down = undefined;
   });

@@ -61,8 +61,10 @@ export interface Surface {
   vertices: number;
   triangles: number;
   components: number;
-  /** Of the start. */
+  /** Of the start; unknown where it has followed a change of the volume. */
   energy: number | null;
+  /** Whether what a change of the volume reaches is solved already. */
+  followed: boolean;
 }
 
 export type SolverState = "running" | "paused" | "done" | "cancelled";
@@ -80,6 +82,17 @@ export interface SolverEvent {
   tolerance: number | null;
   seconds: number;
   share: number | null;
+  /** When the solver handed out its positions, in milliseconds since 1970. */
+  at?: number;
+}
+
+/** The bytes of a packed file with so many bits for each vertex. */
+export interface SizeEvent {
+  view: number;
+  revision: number;
+  bits: number;
+  bytes: number;
+  share: number;
 }
 
 export interface Numbers {
@@ -89,7 +102,6 @@ export interface Numbers {
   manifold: boolean;
   components: number;
   roughness: number | null;
-  bits: Record<string, number> | null;
   times: Record<string, number>;
   vertices: number;
   triangles: number;

@@ -2,34 +2,9 @@
 
 import { Connection, type Framed } from "./connection.ts";
 import type { Answer, Frame } from "./frames.ts";
-import type { Hello, Numbers, Slot, SolverEvent, SolverState, Source, Surface, Volume } from "./protocol.ts";
-import { MOST_VIEWS, type Settings, type Store } from "./state.ts";
-
-/** One point of the plots. */
-export interface Sample {
-  iteration: number;
-  energy: number | null;
-  gradient: number | null;
-  move: number | null;
-  change: number | null;
-}
-
-export interface View {
-  readonly index: number;
-  surface?: Surface;
-  state: SolverState | "empty" | "waiting";
-  status: string;
-  iteration: number;
-  seconds: number;
-  history: Sample[];
-  /** The message of the last request that failed. */
-  problem: string;
-  numbers?: Numbers | undefined;
-  /** Nothing more comes of this surface until it is asked for. */
-  settled: boolean;
-  /** Goes back to the start: what the solver still says is not of interest. */
-  resetting: boolean;
-}
+import type { Hello, Numbers, SizeEvent, Slot, SolverEvent, Source, Surface, Volume } from "./protocol.ts";
+import { MOST_VIEWS, type Store } from "./state.ts";
+import { emptyView, startOf, typed, unknown, type View } from "./view.ts";
 
 /** What has changed. */
 export type Topic = "volumes" | "views" | "solver" | "started" | "settled" | "numbers" | "work" | "messages" | "rows";
@@ -62,8 +37,10 @@ interface Edited extends Holding {
 }
 
 const RUN_DELAY = 120;
+/** Solvers wait for the first picture, but no longer than this where none is drawn, in milliseconds. */
+const MOST_WAIT = 500;
 /** Larger surfaces are packed, to tell how small they become, only when that is asked for. */
-const MOST_PACKED = 30_000;
+const MOST_PACKED = 300_000;
 
 export class Session {
   hello!: Hello;
@@ -76,17 +53,21 @@ export class Session {
   private readonly listeners: [Topic, () => void][] = [];
   private readonly timers = new Map<number, ReturnType<typeof setTimeout>>();
   private readonly generations = Array<number>(MOST_VIEWS).fill(0);
+  private readonly pictured = new Map<number, () => void>();
+  /** Strokes of the brush so far, whether one goes on, and the views that changed since the last rest. */
+  private strokes = 0;
+  private painting = false;
+  private readonly restless = new Set<number>();
+  /** Where frames are shown. */
+  screen!: Screen;
 
-  private constructor(
-    readonly store: Store,
-    private readonly screen: Screen,
-  ) {}
+  private constructor(readonly store: Store) {}
 
   private connection!: Connection;
 
   /** Says hello. */
-  static async start(socket: WebSocket, store: Store, screen: Screen): Promise<Session> {
-    const session = new Session(store, screen);
+  static async start(socket: WebSocket, store: Store): Promise<Session> {
+    const session = new Session(store);
     session.connection = await Connection.open(socket, {
       event: (name, event) => session.event(name, event),
       frame: (frame) => session.frame(frame),
@@ -138,11 +119,15 @@ export class Session {
   /** Reads a volume into a slot, and shrouds it anew in all views if it is the first slot's. */
   async open(slot: Slot, source: Source, select?: Record<string, unknown>): Promise<void> {
     this.working("opening");
-    const opened = await this.attempt(() => this.request<Holding>("open", { slot, source }));
+    const opening = this.attempt(() => this.request<Holding>("open", { slot, source }));
+    // The program does one after the other: surfaces need not wait for its answer.
+    const early = slot === this.slot && !select;
+    if (early) this.shroudAll(opening);
+    const opened = await opening;
     const chosen =
       opened && select && (await this.attempt(() => this.request<Holding>("select", { slot, ...select })));
     this.working();
-    if (opened) this.took((chosen || opened).volume);
+    if (opened) this.took((chosen || opened).volume, !early);
   }
 
   /** Another choice of labels or of a threshold, or an operation: whatever answers with a volume. */
@@ -159,18 +144,42 @@ export class Session {
     if (again && volume.slot === this.slot) this.shroudAll();
   }
 
-  /** Brush, undo and redo: the volume changes, and its surfaces follow by themselves. */
+  /** The dabs that come are of one stroke, which is taken back as a whole. */
+  beginStroke(): void {
+    this.strokes++;
+    this.painting = true;
+  }
+
+  endStroke(): void {
+    this.painting = false;
+    this.rest();
+  }
+
+  /** Brush, undo and redo: the volume changes, and its surfaces follow where the change reaches if all is live. */
   async edit(name: "brush" | "undo" | "redo", fields: Record<string, unknown> = {}): Promise<void> {
-    const edited = await this.attempt(() => this.request<Edited>(name, { slot: this.slot, ...fields }));
+    const { live } = this.store.state;
+    const all = { slot: this.slot, follow: live, ...(name === "brush" && { stroke: this.strokes }), ...fields };
+    const edited = await this.attempt(() => this.request<Edited>(name, all));
     if (!edited) return;
     this.took(edited.volume, false);
     for (const surface of edited.surfaces) {
       const model = this.views[surface.view];
       const anew = { ...emptyView(surface.view), surface, state: "paused", history: startOf(surface) };
       if (model) Object.assign(model, anew);
+      this.restless.add(surface.view);
     }
     this.tell("started");
     this.tell("views");
+    for (const { view, followed } of edited.surfaces) if (live && !followed) this.rest(view);
+    if (!this.painting) this.rest();
+  }
+
+  /** After changes: solves the surfaces as a whole if all is live, and tells their numbers. */
+  private rest(...views: number[]): void {
+    for (const view of views.length > 0 ? views : [...this.restless]) {
+      this.restless.delete(view);
+      void (this.store.state.live ? this.control(view, "run") : this.settle(view));
+    }
   }
 
   /** The slot that the views show. */
@@ -191,8 +200,8 @@ export class Session {
     return this.views[this.store.state.active] ?? this.views[0]!;
   }
 
-  shroudAll(): void {
-    for (let view = 0; view < this.store.state.views; view++) void this.shroud(view);
+  shroudAll(opening?: Promise<unknown>): void {
+    for (let view = 0; view < this.store.state.views; view++) void this.shroud(view, opening);
   }
 
   /** A view that is not shown any more stops and is forgotten. */
@@ -212,10 +221,10 @@ export class Session {
     this.timers.set(view, setTimeout(() => void this.shroud(view), RUN_DELAY));
   }
 
-  /** A new surface with the settings of the view, and a run if everything is live. */
-  async shroud(view: number): Promise<void> {
+  /** A new surface with the settings of the view, of a volume that may still be opening, and a run if everything is live. */
+  async shroud(view: number, opening?: Promise<unknown>): Promise<void> {
     const model = this.views[view];
-    if (!model || !this.volume) return;
+    if (!model || (!this.volume && !opening)) return;
     const generation = this.later(view);
     Object.assign(model, { ...emptyView(view), state: "waiting" as const });
     this.tell("views");
@@ -227,26 +236,38 @@ export class Session {
       Object.assign(model, { surface, state: "paused", history: startOf(surface) });
       this.working();
       this.tell("views");
+      await this.picture(view);
+      if (this.generations[view] !== generation) return;
       if (this.store.state.live) await this.control(view, "run");
       else await this.settle(view);
     } catch (error) {
       if (this.generations[view] !== generation) return;
       model.state = "empty";
-      model.problem = (error as Error).message;
+      // That a volume could not be opened has been said.
+      model.problem = opening && !(await opening) ? "" : (error as Error).message;
       this.screen.forget(view);
       this.tell("views");
     }
+  }
+
+  /** Waits until the surface of a view is on the screen. */
+  private picture(view: number): Promise<void> {
+    return new Promise((resolve) => {
+      this.pictured.set(view, resolve);
+      setTimeout(resolve, MOST_WAIT);
+    });
   }
 
   /** Run, step, pause, reset or cancel. */
   async control(view: number, what: "run" | "step" | "pause" | "reset" | "cancel"): Promise<void> {
     const model = this.views[view];
     if (!model?.surface) return;
-    if (what === "run" || what === "step") Object.assign(model, { settled: false, problem: "", numbers: undefined });
+    if (what !== "pause") model.packing = false;
+    if (what === "run" || what === "step") Object.assign(model, { settled: false, problem: "", ...unknown });
     const anew = what === "reset" || (what !== "pause" && ["done", "cancelled"].includes(model.state));
     if (anew && what !== "cancel") Object.assign(model, { history: startOf(model.surface), iteration: 0 });
     if (what === "reset") {
-      const start = { state: "paused", status: "", numbers: undefined, settled: false, resetting: true };
+      const start = { state: "paused", status: "", ...unknown, settled: false, resetting: true };
       Object.assign(model, start);
     }
     this.tell("solver");
@@ -267,10 +288,13 @@ export class Session {
     const model = this.views[frame.view];
     if (!model) return;
     this.screen.show(frame, () => {
-      if (frame.kind === "delta") {
-        this.connection.acknowledge(frame.view, frame.revision, model.iteration);
-      }
+      if (frame.kind !== "delta") return;
+      this.connection.acknowledge(frame.view, frame.revision, model.iteration);
+      this.pictured.get(frame.view)?.();
     });
+    if (frame.kind === "delta" && model.state === "running") {
+      model.way = performance.timeOrigin + performance.now() - model.at;
+    }
   }
 
   private event(name: string, event: Record<string, unknown>): void {
@@ -284,6 +308,8 @@ export class Session {
         return this.working(String(event.stage), (event.share as number | null) ?? null);
       case "message":
         return this.say((event.level as Message["level"]) ?? "info", String(event.text));
+      case "size":
+        return this.size(event as unknown as SizeEvent);
       case "row":
         this.rows.push((event.row as Record<string, unknown> | undefined) ?? event);
         return this.tell("rows");
@@ -301,6 +327,7 @@ export class Session {
       status: event.status ?? "",
       iteration,
       seconds: event.seconds,
+      at: event.at ?? model.at,
     });
     if (energy !== null && energy !== undefined && model.history.at(-1)?.iteration !== iteration) {
       model.history.push({ iteration, energy, gradient, move, change });
@@ -314,44 +341,34 @@ export class Session {
     Object.assign(model, { settled: true, resetting: false });
     this.tell("solver");
     this.tell("settled");
-    await this.measure(view, false);
-    if ((model.surface?.vertices ?? 0) < MOST_PACKED) await this.measure(view, true);
+    await this.measure(view);
+    if ((model.surface?.vertices ?? 0) < MOST_PACKED) await this.pack(view);
   }
 
-  /** Asks for the numbers of a surface at rest; with the sizes when packed it can take a while. */
-  async measure(view: number, bits: boolean): Promise<void> {
+  /** Asks for the numbers of a surface at rest. */
+  private async measure(view: number): Promise<void> {
     const model = this.views[view];
     if (!model?.settled) return;
     const revision = model.surface?.revision;
-    const numbers = await this.attempt(() => this.request<Numbers>("numbers", { view, bits }));
+    const numbers = await this.attempt(() => this.request<Numbers>("numbers", { view }));
     if (!numbers || !model.settled || model.surface?.revision !== revision) return;
     model.numbers = numbers;
     this.tell("numbers");
   }
-}
 
-/** Settings as the program wants them: those without a value are true. */
-function typed(settings: Settings): Record<string, string | true> {
-  const entries = Object.entries(settings).map(([name, value]) => [name, value === "true" ? true : value]);
-  return Object.fromEntries(entries) as Record<string, string | true>;
-}
+  /** Asks for the sizes of a surface at rest, which come one after the other. */
+  async pack(view: number): Promise<void> {
+    const model = this.views[view];
+    if (!model?.settled) return;
+    Object.assign(model, { sizes: {}, packing: true });
+    this.tell("numbers");
+    await this.attempt(() => this.request("sizes", { view }));
+  }
 
-/** The first point of the plots. */
-function startOf({ energy }: Surface): Sample[] {
-  return [{ iteration: 0, energy, gradient: null, move: null, change: null }];
-}
-
-function emptyView(index: number): View {
-  return {
-    index,
-    state: "empty",
-    status: "",
-    iteration: 0,
-    seconds: 0,
-    history: [],
-    problem: "",
-    numbers: undefined,
-    settled: false,
-    resetting: false,
-  };
+  private size({ view, revision, bits, bytes, share }: SizeEvent): void {
+    const model = this.views[view];
+    if (!model?.packing || model.surface?.revision !== revision) return;
+    Object.assign(model, { sizes: { ...model.sizes, [bits]: bytes }, packing: share < 1 });
+    this.tell("numbers");
+  }
 }

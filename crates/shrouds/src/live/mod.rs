@@ -75,16 +75,40 @@ impl LiveShroud {
     /// creases, rough places and given δ, all of which need the surface as a whole.
     pub fn new(volume: &Occupancy, settings: &settings::Settings) -> Result<Self, Error> {
         let surface = Surface::extract(volume, settings.faces, settings.border)?;
+        let mut live = Self::unsolved(surface, settings)?;
+        live.refresh()?;
+        Ok(live)
+    }
+
+    fn unsolved(surface: Surface, settings: &settings::Settings) -> Result<Self, Error> {
         check(settings)?;
-        let mut live = Self {
+        Ok(Self {
             settings: settings.optimize.clone(),
             triangles: settings.triangles,
             delta: Vec::new(),
             flatness: flatness(&surface),
             mean_energy: 0.0,
             surface,
-        };
-        live.refresh()?;
+        })
+    }
+
+    /// The shroud of a volume whose surface and δ are known already, such as those of
+    /// [`shroud`](crate::shroud) with the same settings: nothing is solved.
+    ///
+    /// # Errors
+    /// Those of [`LiveShroud::new`]; [`Error::Setting`] when there is not one δ for each vertex.
+    pub fn resume(
+        surface: Surface,
+        delta: Vec<f64>,
+        settings: &settings::Settings,
+    ) -> Result<Self, Error> {
+        if delta.len() != surface.vertex_count() {
+            let (value, range) = (format!("{} numbers", delta.len()), "one for each vertex");
+            return Err(Error::Setting { name: "delta", value, range });
+        }
+        let mut live = Self::unsolved(surface, settings)?;
+        live.delta = delta;
+        live.mean_energy = live.local().find_mean_energy(&live.delta);
         Ok(live)
     }
 

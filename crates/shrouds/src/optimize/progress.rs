@@ -16,6 +16,9 @@ pub struct Progress<'a> {
     pub energy: f64,
     /// What the stop rule looks at: the root mean square of the last step, or the relative change in a sweep.
     pub change: f64,
+    /// Euclidean norm of the gradient of the energy with respect to the positions, without what the bounds hold;
+    /// nothing in the middle of a pass over many tiles, where only some are known.
+    pub gradient: Option<f64>,
     /// The tolerance that `change` has to reach; 0 where it need not reach any.
     pub tolerance: f64,
     /// The share of the work that is done, from 0 to 1, where that is known beforehand.

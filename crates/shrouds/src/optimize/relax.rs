@@ -327,7 +327,8 @@ impl Pass {
     fn moment<'a, R>(&self, share: f64, x: &'a [R]) -> Moment<'a, R> {
         let energy = self.energies.last().and_then(|e| e.last()).copied().unwrap_or_default();
         let step_rms = self.stationarity.step_rms();
-        Moment { steps: self.most_steps, share, energy, step_rms, x }
+        let gradient = (share >= 1.0).then(|| self.stationarity.gradient());
+        Moment { steps: self.most_steps, share, energy, step_rms, gradient, x }
     }
 
     fn into_rounds(self) -> impl Iterator<Item = Round> {
@@ -348,7 +349,8 @@ fn progress<'a, R: Real>(
     tolerance: f64,
     share_done: Option<f64>,
 ) -> Progress<'a> {
-    let Moment { steps, energy, step_rms, x, .. } = moment;
+    let Moment { steps, energy, step_rms, gradient, x, .. } = moment;
+    let (iteration, change) = (done + steps, step_rms);
     let positions = Positions::new(surface, x);
-    Progress { iteration: done + steps, energy, change: step_rms, tolerance, share_done, positions }
+    Progress { iteration, energy, change, gradient, tolerance, share_done, positions }
 }

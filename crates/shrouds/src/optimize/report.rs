@@ -2,6 +2,7 @@
 
 use crate::optimize::bounds::Bounds;
 use crate::optimize::model::Model;
+use crate::optimize::problem::Problem;
 use crate::optimize::real::Real;
 
 /// What rounding may add to the energy, as a part of it.
@@ -142,9 +143,8 @@ impl Stationarity {
         for (v, &x) in x.iter().enumerate().filter(|&(v, _)| !is_foreign[v]) {
             let [low, high] = bounds.of(v);
             let gradient = model.gradient(v);
-            let held = (x <= low && gradient > 0.0) || (x >= high && gradient < 0.0);
             let step = model.lone_step(v, x, [low, high]);
-            sum.gradient_squared += if held { 0.0 } else { gradient * gradient };
+            sum.gradient_squared += free_slope(model, v, x, [low, high]).powi(2);
             sum.curvature += model.diagonal(v);
             sum.step_squared += step * step;
             sum.step_max = sum.step_max.max(step.abs());
@@ -170,6 +170,11 @@ impl Stationarity {
         self.count += other.count;
     }
 
+    /// See [`Report::projected_gradient`].
+    pub(super) fn gradient(&self) -> f64 {
+        self.gradient_squared.sqrt()
+    }
+
     /// The mean over the vertices of the second derivative by the position of one alone.
     pub(super) fn mean_curvature(&self) -> f64 {
         self.curvature / self.count.max(1) as f64
@@ -178,6 +183,19 @@ impl Stationarity {
     pub(super) fn step_rms(&self) -> f64 {
         (self.step_squared / self.count.max(1) as f64).sqrt()
     }
+}
+
+/// The norm of the gradient where the model stands, without what the bounds hold.
+pub(super) fn free_gradient<R: Real>(model: &Model<R>, problem: &Problem<R>, x: &[R]) -> f64 {
+    let slopes = x.iter().enumerate().map(|(v, &x)| free_slope(model, v, x, problem.bounds.of(v)));
+    slopes.map(|slope| slope * slope).sum::<f64>().sqrt()
+}
+
+/// How the energy changes with the position of a vertex; 0 where a bound holds it.
+fn free_slope<R: Real>(model: &Model<R>, v: usize, x: R, [low, high]: [R; 2]) -> f64 {
+    let slope = model.gradient(v);
+    let is_held = (x <= low && slope > 0.0) || (x >= high && slope < 0.0);
+    if is_held { 0.0 } else { slope }
 }
 
 impl Report {
@@ -191,7 +209,7 @@ impl Report {
             status,
             iterations: rounds.iter().map(|round| round.energies.len() - 1).sum(),
             energy,
-            projected_gradient: stationarity.gradient_squared.sqrt(),
+            projected_gradient: stationarity.gradient(),
             projected_step_rms: stationarity.step_rms(),
             projected_step_max: stationarity.step_max,
             largest_gain: stationarity.gain_max,

@@ -3,7 +3,7 @@
 use crate::optimize::model::Model;
 use crate::optimize::problem::Problem;
 use crate::optimize::progress::{Observer, Positions, Progress};
-use crate::optimize::report::{Round, Stationarity, Status};
+use crate::optimize::report::{Round, Stationarity, Status, free_gradient};
 use crate::optimize::settings::Settings;
 use crate::optimize::univariate::minimise;
 use crate::surface::Surface;
@@ -22,6 +22,7 @@ pub(super) fn solve(
     const REFRESHED_SWEEPS: usize = 3;
     let tolerance = settings.tolerance();
     problem.freeze(x);
+    let mut model = Model::new(problem.network);
     let mut rounds = vec![Round::new(problem.value(x))];
     for sweep in 0..settings.max_iterations() {
         if (1..REFRESHED_SWEEPS).contains(&sweep) && problem.needs_freezing() {
@@ -34,9 +35,12 @@ pub(super) fn solve(
         }
         let energy = problem.value(x);
         let change = relative_change(surface, &old, x);
+        model.linearise(problem, x);
+        let gradient = Some(free_gradient(&model, problem, x));
         let (iteration, share_done) = (sweep + 1, None);
         let positions = Positions::new(surface, x);
-        let progress = Progress { iteration, energy, change, tolerance, share_done, positions };
+        let progress =
+            Progress { iteration, energy, change, gradient, tolerance, share_done, positions };
         let stopped = observer(progress).is_break();
         let last_refreshed = sweep + 1 >= REFRESHED_SWEEPS || !problem.needs_freezing();
         let status = match () {
@@ -52,7 +56,6 @@ pub(super) fn solve(
             break;
         }
     }
-    let mut model = Model::new(problem.network);
     model.linearise(problem, x);
     (rounds, Stationarity::of(&model, x, &problem.bounds, &problem.is_foreign))
 }

@@ -4,7 +4,7 @@ use crate::optimize::conjugate::Effort;
 use crate::optimize::newton::Newton;
 use crate::optimize::problem::{Conditions, Problem};
 use crate::optimize::real::Real;
-use crate::optimize::report::Stationarity;
+use crate::optimize::report::{Stationarity, free_gradient};
 use crate::optimize::tile::Tile;
 
 /// A moment of the work on a pass, or on the passes over a surface of one tile.
@@ -15,6 +15,8 @@ pub(super) struct Moment<'a, R> {
     pub(super) share: f64,
     pub(super) energy: f64,
     pub(super) step_rms: f64,
+    /// See [`Progress::gradient`](crate::optimize::Progress::gradient).
+    pub(super) gradient: Option<f64>,
     /// The positions of all vertices of the surface, or of the tile that is one.
     pub(super) x: &'a [R],
 }
@@ -79,8 +81,9 @@ pub(super) fn visit<R: Real>(
                 // The projected steps of all vertices would cost an eighth of the work.
                 let step_rms = (step.moved / x.len() as f64).sqrt();
                 let share = made as f64 / planned as f64;
-                let energy = energy.own;
-                is_cancelled = watch(Moment { steps: made, share, energy, step_rms, x: &x });
+                let gradient = Some(free_gradient(&newton.model, &problem, &x));
+                let (steps, energy) = (made, energy.own);
+                is_cancelled = watch(Moment { steps, share, energy, step_rms, gradient, x: &x });
             }
             if is_cancelled || step.moved <= least * least * x.len() as f64 {
                 break;

@@ -1,7 +1,8 @@
 // Numbers of all views side by side, and of energies compared.
 
 import { button, bytes, compact, el, row } from "../dom.ts";
-import type { Session, View } from "../session.ts";
+import type { Session } from "../session.ts";
+import type { View } from "../view.ts";
 
 /** The columns of a comparison that come first. */
 const FIRST = ["name", "status", "iterations", "seconds", "volume", "area", "roughness", "largest_move"];
@@ -52,12 +53,17 @@ function line(session: Session, view: View, active: boolean): HTMLElement {
     cell(sound ?? "–", sound === undefined ? "" : sound === "yes" ? "good" : "bad"),
     cell(compact(numbers?.components ?? surface?.components)),
     cell(compact(numbers?.roughness)),
-    ...BITS.map((bits) => cell(numbers?.bits?.[bits] === undefined ? "–" : bytes(numbers.bits[bits]!))),
+    ...BITS.map((bits) => cell(size(view, bits))),
     cell(seconds(view)),
   ];
   const row_ = el("tr", { className: active ? "active" : "" }, ...cells);
   row_.addEventListener("click", () => session.store.set({ active: view.index }));
   return row_;
+}
+
+function size({ sizes, packing }: View, bits: string): string {
+  const known = sizes[bits];
+  return known === undefined ? (packing ? "…" : "–") : bytes(known);
 }
 
 function seconds({ numbers, seconds: solving }: View): string {
@@ -92,8 +98,8 @@ function comparison(session: Session): HTMLElement[] {
   const go = button("Compare", () => void start(), "Shroud the volume with one energy after the other");
   const sizes = button(
     "Sizes",
-    () => void session.measure(session.store.state.active, true),
-    "Bytes of the active view when packed with 0 to 8 bits for each vertex; small surfaces tell by themselves",
+    () => void session.pack(session.store.state.active),
+    "Bytes of the active view when packed with 0 to 8 bits for each vertex; all but the largest surfaces tell by themselves",
   );
   const bar = row(el("span", { className: "grow" }, energies), go, sizes);
   bar.style.padding = "5px 12px";

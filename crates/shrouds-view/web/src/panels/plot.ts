@@ -1,7 +1,8 @@
 // Energy, gradient and largest move against the steps, on log scales.
 
 import { compact, el } from "../dom.ts";
-import type { Sample, Session } from "../session.ts";
+import type { Session } from "../session.ts";
+import type { Sample } from "../view.ts";
 
 type Quantity = "energy" | "gradient" | "move" | "change";
 interface Series {

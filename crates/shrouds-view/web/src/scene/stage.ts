@@ -10,6 +10,7 @@ import { axes, type State, type Store } from "../state.ts";
 import { Camera } from "./camera.ts";
 import * as overlays from "./overlays.ts";
 import { nearest } from "./mesh.ts";
+import { emptyPane, type Pane } from "./pane.ts";
 import { Picker } from "./pick.ts";
 import { ramp } from "./ramp.ts";
 import { SurfaceModel, asTopology, type Uniforms } from "./surface.ts";
@@ -20,17 +21,6 @@ export interface Rectangle {
   top: number;
   width: number;
   height: number;
-}
-
-interface Pane {
-  scene: Scene;
-  root: Group;
-  surface?: SurfaceModel | undefined;
-  /** The mesh with vertices of its own, shown in place of the surface while that does not move. */
-  dual?: SurfaceModel | undefined;
-  contours?: Object3D | undefined;
-  /** Told when what came last is on the screen. */
-  drawn: (() => void)[];
 }
 
 export interface Hit {
@@ -133,7 +123,7 @@ export class Stage {
     if (!pane) return;
     if (frame.kind === "topology") this.replace(pane, frame);
     else if (pane.surface?.topology.revision !== frame.revision) return drawn();
-    else if (frame.kind === "positions") this.setDual(pane, new SurfaceModel(asTopology(frame), this.uniforms));
+    else if (frame.kind === "positions") this.setDual(pane, this.model(asTopology(frame)));
     else if (frame.kind === "delta") this.move(pane, pane.surface, frame.values);
     else if (frame.kind === "triangles") pane.surface.retriangulate(frame.indices);
     else if (frame.kind === "normals") pane.surface.setNormals(frame.values);
@@ -144,7 +134,7 @@ export class Stage {
   private replace(pane: Pane, topology: Topology): void {
     const old = pane.surface;
     this.setDual(pane, undefined);
-    pane.surface = new SurfaceModel(topology, this.uniforms);
+    pane.surface = this.model(topology);
     pane.root.add(pane.surface.group);
     old?.dispose();
     this.slow = false;
@@ -157,6 +147,10 @@ export class Stage {
     this.fitted = identity;
     this.fit();
     if (first) this.camera.text = this.store.state.camera;
+  }
+
+  private model(topology: Topology): SurfaceModel {
+    return new SurfaceModel(topology, this.uniforms, this.renderer.getContext() as WebGL2RenderingContext);
   }
 
   private setDual(pane: Pane, dual: SurfaceModel | undefined): void {
@@ -390,11 +384,4 @@ export class Stage {
     }
     return moving;
   }
-}
-
-function emptyPane(): Pane {
-  const scene = new Scene();
-  const root = new Group();
-  scene.add(root);
-  return { scene, root, drawn: [] };
 }

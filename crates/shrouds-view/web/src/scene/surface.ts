@@ -5,6 +5,7 @@ import {
   ShaderMaterial, Vector3, type IUniform, type Texture,
 } from "three";
 import type { Positions, Topology } from "../frames.ts";
+import { LiveArray } from "./live.ts";
 import { normalsOf, reduced } from "./mesh.ts";
 import { lineFragment, lineVertex, pickFragment, surfaceFragment, surfaceVertex } from "./shaders.ts";
 
@@ -24,6 +25,8 @@ export class SurfaceModel {
   private readonly picker: ShaderMaterial;
   private readonly painter: ShaderMaterial;
   private readonly network: LineSegments[];
+  private readonly deltas: LiveArray;
+  private readonly before: LiveArray;
   private whole: BufferAttribute;
   private fewer: BufferAttribute | undefined;
   /** Whether the normals are those of other places. */
@@ -32,7 +35,10 @@ export class SurfaceModel {
   constructor(
     readonly topology: Topology,
     shared: Uniforms,
+    gl: WebGL2RenderingContext,
   ) {
+    this.deltas = new LiveArray(gl, new Float32Array(this.count).fill(0.5));
+    this.before = new LiveArray(gl, new Float32Array(this.count).fill(0.5));
     this.uniforms = {
       ...shared,
       glide: { value: 1 },
@@ -59,8 +65,8 @@ export class SurfaceModel {
     };
     set("outside", outside, 3);
     set("along", along, 3);
-    set("delta", new Float32Array(count).fill(0.5), 1);
-    set("before", new Float32Array(count).fill(0.5), 1);
+    this.geometry.setAttribute("delta", this.deltas.attribute);
+    this.geometry.setAttribute("before", this.before.attribute);
     set("direction", new Float32Array(3 * count), 3);
     set("scalar", new Float32Array(count), 1);
     this.geometry.setIndex(this.whole);
@@ -69,7 +75,7 @@ export class SurfaceModel {
   private curves(segments: Uint32Array, ink: number): LineSegments {
     const geometry = new BufferGeometry();
     for (const name of ["outside", "along", "delta", "before"]) {
-      geometry.setAttribute(name, this.attribute(name));
+      geometry.setAttribute(name, this.geometry.getAttribute(name));
     }
     geometry.setIndex(new BufferAttribute(segments, 1));
     const colour = [16, 8, 0].map((shift) => ((ink >> shift) & 255) / 255);
@@ -94,13 +100,13 @@ export class SurfaceModel {
   }
 
   get delta(): Float32Array {
-    return this.attribute("delta").array as Float32Array;
+    return this.deltas.values;
   }
 
   /** Other places of the vertices; drawn gliding from those before, if asked to. */
   move(delta: Float32Array, glide: boolean): void {
-    if (glide) this.write("before", this.shown());
-    this.write("delta", delta);
+    if (glide) this.before.write(this.shown());
+    this.deltas.write(delta);
     this.uniforms.glide!.value = glide ? 0 : 1;
     this.stale = true;
   }
@@ -108,7 +114,7 @@ export class SurfaceModel {
   /** The δ on the screen, which may be on its way. */
   private shown(): Float32Array {
     const share = this.uniforms.glide!.value as number;
-    const before = this.attribute("before").array;
+    const before = this.before.values;
     return this.delta.map((now, i) => (before[i] ?? now) * (1 - share) + now * share);
   }
 
@@ -170,6 +176,8 @@ export class SurfaceModel {
     this.group.removeFromParent();
     (this.uniforms.colours!.value as Texture | null)?.dispose();
     this.geometry.dispose();
+    this.deltas.dispose();
+    this.before.dispose();
     this.painter.dispose();
     this.picker.dispose();
     for (const lines of this.network) {

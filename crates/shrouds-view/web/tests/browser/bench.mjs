@@ -90,8 +90,9 @@ export class Bench {
   /** What the page knows of a view. */
   view(index = 0) {
     return this.page.evaluate((number) => {
-      const { surface, history, state, status, iteration, problem, numbers } = window.shrouds.session.views[number];
-      return { surface, history, state, status, iteration, problem, numbers };
+      const { surface, history, state, status, iteration, problem, numbers, sizes, way } =
+        window.shrouds.session.views[number];
+      return { surface, history, state, status, iteration, problem, numbers, sizes, way };
     }, index);
   }
 
@@ -99,6 +100,12 @@ export class Bench {
   async numbers(index = 0) {
     await this.page.waitForFunction((number) => window.shrouds.session.views[number].numbers, index);
     return (await this.view(index)).numbers;
+  }
+
+  /** The sizes of a view, as soon as all are there: nothing more goes on then. */
+  async packed(index = 0) {
+    await this.page.waitForFunction((number) => "8" in window.shrouds.session.views[number].sizes, index);
+    return (await this.view(index)).sizes;
   }
 
   /** A place on the page well within the picture of the surface: the middle of its widest row. */
