@@ -24,7 +24,7 @@ mod _native {
     use pyo3::prelude::*;
 
     #[pymodule_export]
-    use crate::chunk::ChunkRun;
+    use crate::chunk::{ChunkRun, write_info};
     #[pymodule_export]
     use crate::mesh::Mesh;
     #[pymodule_export]
