@@ -14,7 +14,7 @@ import numpy as np
 from ._arrays import Volume
 from ._meshes import read_mesh
 from ._surfaces import mesh_of
-from ._volumes import unpack
+from ._packed import unpack
 
 Layer = tuple[Any, dict[str, Any], str]
 

@@ -9,13 +9,21 @@ from numpy.typing import NDArray
 __all__ = [
     "ChunkRun",
     "Made",
+    "MadeMaterials",
     "Mesh",
     "Volume",
     "__version__",
+    "contact_area",
+    "energy_with",
+    "interfaces",
+    "is_labels",
     "lattice_for",
+    "pack_labels",
     "read_volume",
     "setting_names",
     "shroud",
+    "unpack_labels",
+    "unpack_shroud",
     "write_info",
 ]
 __version__: str
@@ -73,6 +81,8 @@ class Volume:
     @property
     def min_spacing(self) -> float: ...
     def count(self) -> int: ...
+    def cropped(self, margin: int) -> Volume: ...
+    def components(self, faces: str) -> list[Volume]: ...
     def to_array(self) -> NDArray[np.bool_]: ...
     def combine(self, operation: str, other: Volume) -> Volume: ...
     def offset(
@@ -119,7 +129,8 @@ class Mesh:
         unit: str,
         spacing: float,
     ) -> None: ...
-    def measure(self, threads: int | None) -> str: ...
+    def measure(self, other: Mesh | None, threads: int | None) -> str: ...
+    def parts(self) -> list[Mesh]: ...
     def roughness(self) -> float: ...
     def check(
         self,
@@ -133,17 +144,51 @@ class Mesh:
 
 @final
 class Made:
+    @property
+    def status(self) -> str: ...
     def report(self, mesh: Mesh, said: dict[str, Any], threads: int | None) -> str: ...
-    def measure(self, mesh: Mesh, threads: int | None) -> str: ...
+    def measure(self, mesh: Mesh, other: Mesh | None, threads: int | None) -> str: ...
+    def pack(
+        self, delta: NDArray[np.float64], bits: int, profile: str, frame: str, unit: str
+    ) -> bytes: ...
     def network(self) -> list[_Curves]: ...
+
+_Shroud = tuple[
+    NDArray[np.floating[Any]], NDArray[np.uint32], NDArray[np.float32], NDArray[np.float64], Made
+]
 
 def shroud(
     volume: Volume,
     given: list[tuple[str, str]],
+    rough: Volume | None,
     threads: int | None,
     progress: Callable[..., Any] | None,
+) -> _Shroud: ...
+def energy_with(text: str, parameter: str) -> str: ...
+def contact_area(
+    one: Volume, other: Volume, given: list[tuple[str, str]], threads: int | None
+) -> float: ...
+def pack_labels(
+    values: NDArray[Any], affine: _Affine, profile: str, frame: str, unit: str
+) -> bytes: ...
+def is_labels(bytes: bytes) -> bool: ...
+def unpack_labels(bytes: bytes) -> tuple[NDArray[np.int64], list[list[float]], str, str]: ...
+def unpack_shroud(
+    bytes: bytes, given: list[tuple[str, str]], threads: int | None
+) -> tuple[_Shroud, Volume, str, str]: ...
+@final
+class MadeMaterials:
+    def report(self, said: dict[str, Any], threads: int | None) -> str: ...
+    def write(self, path: str, frame: str, unit: str) -> None: ...
+
+def interfaces(
+    values: NDArray[Any], affine: _Affine, given: list[tuple[str, str]], threads: int | None
 ) -> tuple[
-    NDArray[np.floating[Any]], NDArray[np.uint32], NDArray[np.float32], NDArray[np.float64], Made
+    NDArray[np.floating[Any]],
+    NDArray[np.uint32],
+    NDArray[np.int64],
+    NDArray[np.uint32],
+    MadeMaterials,
 ]: ...
 def setting_names() -> list[str]: ...
 def lattice_for(

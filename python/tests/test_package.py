@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 import shrouds
-from shrouds import _arrays, _meshes, _napari, _shroud, _volumes
+from shrouds import _arrays, _labels, _materials, _meshes, _napari, _packed, _shroud, _volumes
 
 HERE = Path(__file__).parent
 
 
-@pytest.mark.parametrize("module", [shrouds, _arrays, _meshes, _shroud, _volumes])
+@pytest.mark.parametrize("module", [shrouds, _arrays, _labels, _materials, _meshes, _packed, _shroud, _volumes])
 def test_examples(module):
     assert doctest.testmod(module).failed == 0
 
