@@ -66,7 +66,7 @@ def measure_labels(
     >>> [row["label"] for row in found["rows"]]
     [4, 9]
     >>> [(one["label"], one["other"], round(one["area"])) for one in found["contacts"]]
-    [(4, 9, 61)]
+    [(4, 9, 63)]
     """
     array = placed(values, **place)
     if array.values.dtype.kind not in "bui":
