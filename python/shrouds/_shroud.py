@@ -67,7 +67,7 @@ class Shroud:
 
     @property
     def status(self) -> str:
-        """How the optimisation ended: ``"converged"``, ``"preset"`` after the steps of a preset, and so on."""
+        """How the optimisation ended: ``"converged"``, ``"preset done"`` after the steps of a preset, and so on."""
         return self._status
 
     def pack(self, bits: Literal[0, 1, 2, 4, 8] = 0, profile: Profile = "dense") -> bytes:
