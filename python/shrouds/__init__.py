@@ -11,13 +11,19 @@ otherwise.
 """
 
 from ._arrays import Volume
-from ._meshes import check, compare, measure, read_mesh
+from ._curves import Curves, Progress
+from ._labels import measure_labels
+from ._materials import Materials, materials
+from ._meshes import check, compare, components, measure, read_mesh
 from ._native import __version__
-from ._shroud import Curves, Progress, Shroud, shroud
-from ._volumes import combine, offset, pack, read_volume, unpack, voxelize
+from ._packed import pack, pack_labels, unpack, unpack_shroud
+from ._shroud import NotConverged, Shroud, shroud
+from ._volumes import combine, offset, read_volume, voxelize
 
 __all__ = [
     "Curves",
+    "Materials",
+    "NotConverged",
     "Progress",
     "Shroud",
     "Volume",
@@ -25,12 +31,17 @@ __all__ = [
     "check",
     "combine",
     "compare",
+    "components",
+    "materials",
     "measure",
+    "measure_labels",
     "offset",
     "pack",
+    "pack_labels",
     "read_mesh",
     "read_volume",
     "shroud",
     "unpack",
+    "unpack_shroud",
     "voxelize",
 ]

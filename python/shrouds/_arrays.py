@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +16,22 @@ Axes = Literal["zyx", "xyz"]
 Label = int | Iterable[int]
 Spacing = float | Sequence[float]
 Affine = tuple[tuple[float, float, float, float], ...]
+
+
+class Place(TypedDict, total=False):
+    """Where an array lies, as :func:`shroud` explains it."""
+
+    spacing: Spacing | None
+    origin: Sequence[float] | None
+    affine: ArrayLike | None
+    axes: Axes | None
+
+
+class Selection(Place, total=False):
+    """Where an array lies and which of its voxels are inside, as :func:`shroud` explains it."""
+
+    label: Label | None
+    threshold: float | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +63,18 @@ class Volume:
 
 
 @dataclass(frozen=True)
+class Placed:
+    """An array and what is said of its place."""
+
+    values: NDArray[Any]
+    """Indexed [z, y, x], of a type that Rust knows."""
+    rows: Affine
+    axes: Axes
+    frame: str
+    unit: str
+
+
+@dataclass(frozen=True)
 class Inside:
     """The inside points of an array, and what the array says of its place."""
 
@@ -55,6 +83,25 @@ class Inside:
     frame: str
     unit: str
     selection: str
+
+
+def placed(
+    values: ArrayLike | Volume,
+    spacing: Spacing | None = None,
+    origin: Sequence[float] | None = None,
+    affine: ArrayLike | None = None,
+    axes: Axes | None = None,
+) -> Placed:
+    """An array with its place."""
+    frame, unit = "index", "unknown"
+    if isinstance(values, Volume):
+        if not (spacing is origin is affine is axes is None):
+            raise ValueError("a Volume knows its place: leave spacing, origin, affine and axes out")
+        axes, affine, frame, unit = values.axes, values.affine, values.frame, values.unit
+        values = values.values
+    rows = index_to_world(spacing, origin, affine)
+    axes = axes or "zyx"
+    return Placed(in_z_y_x(_usable(values), axes), rows, axes, frame, unit)
 
 
 def inside(
@@ -68,20 +115,13 @@ def inside(
     threads: int | None = None,
 ) -> Inside:
     """Packs an array to bits."""
-    frame, unit = "index", "unknown"
-    if isinstance(values, Volume):
-        if not (spacing is origin is affine is axes is None):
-            raise ValueError("a Volume knows its place: leave spacing, origin, affine and axes out")
-        axes, affine, frame, unit = values.axes, values.affine, values.frame, values.unit
-        values = values.values
     if label is not None and threshold is not None:
         raise ValueError("give a label or a threshold, not both")
     labels = None if label is None else _labels(label)
     level = None if threshold is None else _number(threshold)
-    rows = index_to_world(spacing, origin, affine)
-    axes = axes or "zyx"
-    bits = _native.Volume(in_z_y_x(_usable(values), axes), rows, labels, level, threads)
-    return Inside(bits, axes, frame, unit, _in_words(labels, level))
+    array = placed(values, spacing, origin, affine, axes)
+    bits = _native.Volume(array.values, array.rows, labels, level, threads)
+    return Inside(bits, array.axes, array.frame, array.unit, _in_words(labels, level))
 
 
 def in_z_y_x(array: NDArray[Any], axes: Axes) -> NDArray[Any]:

@@ -4,33 +4,31 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Sequence
-from typing import Any, Literal
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import Axes, Label, Spacing, Volume, inside
+from ._arrays import Selection, Volume, inside
 from ._shroud import Shroud, shroud
 from ._surfaces import Surface, mesh_of
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 def check(
     surface: Surface,
     values: ArrayLike | Volume,
     *,
-    spacing: Spacing | None = None,
-    origin: Sequence[float] | None = None,
-    affine: ArrayLike | None = None,
-    axes: Axes | None = None,
-    label: Label | None = None,
-    threshold: float | None = None,
     border: Literal["closed", "open"] = "closed",
     faces: Literal["separate", "join"] = "separate",
     all_axes: bool = False,
     self_intersections: bool = True,
     threads: int | None = None,
+    **selection: Unpack[Selection],
 ) -> dict[str, Any]:
     """Find out whether a mesh separates the voxels of a volume, with exact predicates.
 
@@ -41,8 +39,8 @@ def check(
     surface
         A :class:`Shroud`, anything with ``vertices`` and ``faces``, or the two as a tuple, in world
         coordinates.
-    values, spacing, origin, affine, axes, label, threshold
-        The volume and which of its voxels are inside, as for :func:`shroud`.
+    values
+        The volume.
     border, faces
         The conventions that the mesh was made with, as for :func:`shroud`.
     all_axes
@@ -51,6 +49,9 @@ def check(
         Whether to look for triangles that cross each other, the longest part of the work.
     threads
         Number of threads; all there are if not given.
+    **selection
+        Where the volume lies and which of its voxels are inside: ``spacing``, ``origin``, ``affine``, ``axes``,
+        ``label`` and ``threshold`` of :func:`shroud`.
 
     Returns
     -------
@@ -67,13 +68,15 @@ def check(
     >>> found["checks"]["ok"], found["checks"]["wrong_side"], found["euler"]
     (True, 0, [2])
     """
-    volume = inside(values, spacing, origin, affine, axes, label, threshold, threads)
+    volume = inside(values, threads=threads, **selection)
     mesh = mesh_of(surface)
     found = mesh.check(volume.bits, border, faces, all_axes, self_intersections, threads)
     return dict(json.loads(found))
 
 
-def measure(surface: Surface, *, threads: int | None = None) -> dict[str, Any]:
+def measure(
+    surface: Surface, *, distance_to: Surface | None = None, threads: int | None = None
+) -> dict[str, Any]:
     """Measure a surface: volume, area, shape, curvature, thickness, with errors where they are known.
 
     Of a :class:`Shroud`, volume and area come with their errors and bounds, for these are known of a
@@ -83,6 +86,8 @@ def measure(surface: Surface, *, threads: int | None = None) -> dict[str, Any]:
     ----------
     surface
         A :class:`Shroud`, anything with ``vertices`` and ``faces``, or the two as a tuple.
+    distance_to
+        Another surface, how far from which this one lies is to be measured too.
     threads
         Number of threads; all there are if not given.
 
@@ -103,9 +108,24 @@ def measure(surface: Surface, *, threads: int | None = None) -> dict[str, Any]:
     >>> round(found["volume"]), round(found["area"]), found["genus"]
     (521, 313, 0)
     """
+    other = None if distance_to is None else mesh_of(distance_to)
     if isinstance(surface, Shroud):
-        return dict(json.loads(surface._kept().measure(surface._mesh(), threads)))
-    return dict(json.loads(mesh_of(surface).measure(threads)))
+        return dict(json.loads(surface._kept().measure(surface._mesh(), other, threads)))
+    return dict(json.loads(mesh_of(surface).measure(other, threads)))
+
+
+def components(surface: Surface) -> list[tuple[NDArray[np.float64], NDArray[np.uint32]]]:
+    """The parts of a mesh that hang together, as vertices and faces of each, in the order of their first triangles.
+
+    Examples
+    --------
+    >>> import numpy as np, shrouds
+    >>> mask = np.zeros((9, 9, 9), bool)
+    >>> mask[2, 2, 2] = mask[6, 6, 3:7] = True
+    >>> [round(shrouds.measure(part)["volume"], 1) for part in shrouds.components(shrouds.shroud(mask))]
+    [0.6, 3.9]
+    """
+    return [(part.arrays()[0], part.arrays()[1]) for part in mesh_of(surface).parts()]
 
 
 def compare(

@@ -13,8 +13,8 @@ import numpy as np
 
 from ._arrays import Volume
 from ._meshes import read_mesh
+from ._packed import unpack
 from ._surfaces import mesh_of
-from ._volumes import unpack
 
 Layer = tuple[Any, dict[str, Any], str]
 

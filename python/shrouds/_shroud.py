@@ -5,63 +5,23 @@ from __future__ import annotations
 import json
 import os
 import time
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, cast
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
 from ._arrays import Axes, Inside, Label, Spacing, Volume, inside
+from ._curves import Curves, Progress
 
 if TYPE_CHECKING:
     import pyvista
     import trimesh
 
 
-class Progress(NamedTuple):
-    """How far the optimisation has come."""
-
-    iteration: int
-    """Iterations done."""
-    energy: float
-    """The energy, with the weights of the moment."""
-    change: float
-    """What the stop rule looks at."""
-    tolerance: float
-    """What ``change`` has to come down to; 0 where it need not."""
-    share: float | None
-    """The share of the work that is done, from 0 to 1, where that is known beforehand."""
-
-
-@dataclass(frozen=True, eq=False)
-class Curves:
-    """The planar curves of a shroud across one axis, one after another."""
-
-    vertices: NDArray[np.uint32]
-    """Vertices of all curves in their order along them."""
-    starts: NDArray[np.int64]
-    """Where each curve begins in ``vertices``; one number more, for the end of the last."""
-    closed: NDArray[np.bool_]
-    """Whether the last vertex of a curve is joined to its first."""
-
-    def __len__(self) -> int:
-        """Number of curves."""
-        return len(self.closed)
-
-    def __iter__(self) -> Iterator[NDArray[np.uint32]]:
-        """The vertices of each curve."""
-        return iter(np.split(self.vertices, self.starts[1:-1]) if len(self) else ())
-
-    def segments(self) -> NDArray[np.uint32]:
-        """Pairs of vertices that follow each other, shape (n, 2)."""
-        after = np.arange(1, len(self.vertices) + 1)
-        ends = self.starts[1:] - 1
-        after[ends] = self.starts[:-1]
-        keep = np.ones(len(self.vertices), bool)
-        keep[ends] = self.closed & (np.diff(self.starts) > 1)
-        return np.column_stack([self.vertices, self.vertices[after % max(len(after), 1)]])[keep]
+Parameter = Literal["uniform", "chord", "centripetal", "affine", "foley"]
+Profile = Literal["fast", "dense"]
 
 
 class Shroud:
@@ -84,6 +44,7 @@ class Shroud:
     def __init__(self, inside: Inside, seconds: float, parts: tuple[Any, ...]) -> None:
         self.vertices, self.faces, self.normals, self.delta, made = parts
         self._made: _native.Made | None = made
+        self._status: str = made.status
         self._said = {
             "selection": inside.selection,
             "frame": inside.frame,
@@ -103,6 +64,19 @@ class Shroud:
     def __getstate__(self) -> dict[str, Any]:
         _ = self.report
         return {**self.__dict__, "_made": None}
+
+    @property
+    def status(self) -> str:
+        """How the optimisation ended: ``"converged"``, ``"preset done"`` after the steps of a preset, and so on."""
+        return self._status
+
+    def pack(self, bits: Literal[0, 1, 2, 4, 8] = 0, profile: Profile = "dense") -> bytes:
+        """The bytes of a ``.shroud`` file: the voxels without loss, and so many bits of the place of every vertex.
+
+        With 0 bits the surface is made anew from the voxels; :func:`unpack_shroud` does so in either case.
+        """
+        frame, unit = str(self._said["frame"]), str(self._said["unit"])
+        return self._kept().pack(self.delta, bits, profile, frame, unit)
 
     def _kept(self) -> _native.Made:
         if self._made is None:
@@ -191,6 +165,20 @@ class Shroud:
         return self.delta.astype(np.float32)
 
 
+class NotConverged(RuntimeError):
+    """The optimisation was to converge and did not."""
+
+    shroud: Shroud
+    """What there is."""
+
+    def __init__(self, made: Shroud) -> None:
+        super().__init__(
+            f"the optimisation ended with status {made.status!r}: "
+            "give more max_iterations or a larger tolerance, or leave strict out"
+        )
+        self.shroud = made
+
+
 def shroud(
     values: ArrayLike | Volume,
     *,
@@ -201,7 +189,9 @@ def shroud(
     label: Label | None = None,
     threshold: float | None = None,
     energy: str | None = None,
+    parameter: Parameter | None = None,
     crease: float | None = None,
+    rough: ArrayLike | Volume | None = None,
     preset: Literal["fast", "default", "exact"] | None = None,
     solver: Literal["newton", "sweeps"] | None = None,
     tolerance: float | None = None,
@@ -213,6 +203,7 @@ def shroud(
     border: Literal["closed", "open"] | None = None,
     surface: Literal["primal", "dual"] | None = None,
     triangles: Literal["fitted", "fixed"] | None = None,
+    strict: bool = False,
     threads: int | None = None,
     progress: Callable[[Progress], Any] | None = None,
 ) -> Shroud:
@@ -240,9 +231,15 @@ def shroud(
     energy
         What the slice curves minimise: ``"bending"``, or a weighted sum such as ``"bending+0.3*variation"``.
         That which the preset is made for if not given.
+    parameter
+        Parametrisation of the measures that have one and are written without: ``energy="curvature"`` with
+        ``parameter="foley"`` is ``"curvature(foley)"``.
     crease
         Edges stay sharp where a slice curve turns by much more than so many degrees (5.7, say), and faces
         become flat: for boxes and machine parts. Not with the preset ``exact``.
+    rough
+        Voxels at which the surface need not be smooth: an array of the same shape and order, all but 0, or a
+        :class:`Volume` on the same lattice.
     preset
         How much work goes into the minimum: ``"fast"``, one step; ``"default"``, three; ``"exact"``, until it
         converges.
@@ -268,6 +265,9 @@ def shroud(
     triangles
         ``"fitted"`` to the curves' normals (the default), or ``"fixed"``, the same for every place of the
         vertices.
+    strict
+        Go on until the optimisation converges, as ``preset="exact"`` does, and raise :class:`NotConverged`
+        where it does not.
     threads
         Number of threads; all there are if not given. The result has the same bits for any number.
     progress
@@ -284,6 +284,8 @@ def shroud(
     ------
     ValueError
         When the array is no volume, holds a NaN, or a setting is not possible. The message says what is.
+    NotConverged
+        Under ``strict``. It has the :class:`Shroud` that there is.
 
     Notes
     -----
@@ -313,8 +315,12 @@ def shroud(
     begin = time.perf_counter()
     points = inside(values, spacing, origin, affine, axes, label, threshold, threads)
     seconds = time.perf_counter() - begin
+    if strict:
+        if preset in ("fast", "default"):
+            raise ValueError(f"{preset} stops before convergence: leave the preset or strict out")
+        preset = preset if solver == "sweeps" else "exact"
     given = {
-        "energy": energy,
+        "energy": _energy(energy, parameter),
         "crease": crease,
         "preset": preset,
         "solver": solver,
@@ -328,9 +334,34 @@ def shroud(
         "surface": surface,
         "triangles": triangles,
     }
-    named = [(name, str(value)) for name, value in given.items() if value is not None]
-    made = _native.shroud(points.bits, named, threads, _teller(progress))
-    return Shroud(points, seconds, made)
+    places = None if rough is None else _rough(rough, values, points, threads)
+    made = _native.shroud(points.bits, named(given), places, threads, _teller(progress))
+    result = Shroud(points, seconds, made)
+    if strict and result.status not in ("converged", "empty"):
+        raise NotConverged(result)
+    return result
+
+
+def named(given: Mapping[str, object]) -> list[tuple[str, str]]:
+    """The settings that were given, as Rust takes them."""
+    return [(name, str(value)) for name, value in given.items() if value is not None]
+
+
+def _energy(energy: str | None, parameter: str | None) -> str | None:
+    return energy if parameter is None else _native.energy_with(energy or "bending", parameter)
+
+
+def _rough(
+    rough: ArrayLike | Volume, values: ArrayLike | Volume, points: Inside, threads: int | None
+) -> _native.Volume:
+    """The voxels of a mask, on the lattice of the volume unless it has its own."""
+    if isinstance(rough, Volume):
+        return inside(rough, threads=threads).bits
+    array = np.asarray(rough)
+    if array.shape != np.shape(values):
+        raise ValueError(f"rough has shape {array.shape}, but the volume {np.shape(values)}")
+    affine = np.array(points.bits.affine)
+    return inside(array, affine=affine, axes=points.axes, threads=threads).bits
 
 
 def _teller(progress: Callable[[Progress], Any] | None) -> Callable[..., Any] | None:

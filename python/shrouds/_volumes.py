@@ -1,18 +1,20 @@
-"""Volumes out of volumes, meshes, files and bytes."""
+"""Volumes out of volumes, meshes and files."""
 
 from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Sequence
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _native
-from ._arrays import Axes, Label, Spacing, Volume, in_z_y_x, index_to_world, inside, three
+from ._arrays import Axes, Selection, Spacing, Volume, in_z_y_x, index_to_world, inside, three
 from ._surfaces import Surface, mesh_of
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 def read_volume(
@@ -92,20 +94,16 @@ def offset(
     values: ArrayLike | Volume,
     by: float,
     *,
-    spacing: Spacing | None = None,
-    origin: Sequence[float] | None = None,
-    affine: ArrayLike | None = None,
-    axes: Axes | None = None,
-    label: Label | None = None,
-    threshold: float | None = None,
     border: Literal["closed", "open"] = "closed",
     keep_lattice: bool = False,
     threads: int | None = None,
+    **selection: Unpack[Selection],
 ) -> Volume:
     """Grow a volume by a distance in world units, or shrink it by a negative one, exactly.
 
     Every voxel is added whose centre lies within the distance of that of an inside one, or removed that
     lies within it of an outside one. The lattice grows where that is needed, unless it is to be kept.
+    ``selection`` is as for :func:`check`.
 
     Examples
     --------
@@ -118,7 +116,7 @@ def offset(
     >>> grown.affine[:3, 3]
     array([-1., -1., -1.])
     """
-    volume = inside(values, spacing, origin, affine, axes, label, threshold, threads)
+    volume = inside(values, threads=threads, **selection)
     made = volume.bits.offset(float(by), border, keep_lattice, threads)
     return Volume._of_bits(made, volume.axes, volume.frame, volume.unit)
 
@@ -179,47 +177,3 @@ def voxelize(
     for note in notes:
         warnings.warn(note, stacklevel=2)
     return Volume._of_bits(bits, axes, frame, unit)
-
-
-def pack(
-    values: ArrayLike | Volume,
-    *,
-    spacing: Spacing | None = None,
-    origin: Sequence[float] | None = None,
-    affine: ArrayLike | None = None,
-    axes: Axes | None = None,
-    label: Label | None = None,
-    threshold: float | None = None,
-    profile: Literal["fast", "dense"] = "dense",
-    faces: Literal["separate", "join"] = "separate",
-    border: Literal["closed", "open"] = "closed",
-    threads: int | None = None,
-) -> bytes:
-    """Pack the inside voxels of a volume, without loss, into the bytes of a ``.shroud`` file.
-
-    Whoever unpacks them makes the same shroud again: a surface in a fraction of a bit per triangle.
-
-    Examples
-    --------
-    >>> import numpy as np, shrouds
-    >>> z, y, x = np.ogrid[-20:21, -20:21, -20:21]
-    >>> ball = x**2 + y**2 + z**2 < 300
-    >>> packed = shrouds.pack(ball)
-    >>> len(packed) < 500, bool((shrouds.unpack(packed).values == ball).all())
-    (True, True)
-    """
-    volume = inside(values, spacing, origin, affine, axes, label, threshold, threads)
-    frame, unit = volume.frame, volume.unit
-    return volume.bits.pack(profile, faces, border, frame, unit, threads)
-
-
-def unpack(packed: bytes, *, threads: int | None = None) -> Volume:
-    """The volume in the bytes of a ``.shroud`` file, indexed ``[z, y, x]``.
-
-    Raises
-    ------
-    ValueError
-        When the bytes are those of another file, or damaged.
-    """
-    bits, frame, unit = _native.Volume.unpack(bytes(packed), threads)
-    return Volume._of_bits(bits, "zyx", frame, unit)

@@ -23,11 +23,11 @@ import tempfile
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from ._native import ChunkRun, Volume, __version__
+from ._native import ChunkRun, Volume, __version__, write_info
 
 if TYPE_CHECKING:
     from dask.distributed import Client
@@ -131,8 +131,20 @@ class _Job:
     affine: tuple[tuple[float, float, float, float], ...]
     settings: tuple[tuple[str, str], ...]
     threads: int
+    #: How often the lattice is halved.
+    level: int = 0
 
     def run(self) -> ChunkRun:
+        run = self._finest()
+        for _ in range(self.level):
+            run = run.coarser()
+        return run
+
+    def levels(self) -> list[_Job]:
+        """The work on the lattice itself and on halved ones, until one chunk holds all."""
+        return [replace(self, level=level) for level in range(self._finest().levels)]
+
+    def _finest(self) -> ChunkRun:
         identity = json.dumps(
             [__version__, self.source.identity(), self.label, self.chunk, self.affine, self.settings]
         )
@@ -161,6 +173,10 @@ def _put_voxels(jobs: list[_Job], chunk: Index) -> None:
             run.put_voxels(chunk, volume)
 
 
+def _take_finer(job: _Job, chunk: Index) -> None:
+    job.run().take_finer(replace(job, level=job.level - 1).run(), chunk)
+
+
 def _relax(job: _Job, number: int, chunk: Index) -> None:
     job.run().relax(number, chunk)
 
@@ -179,6 +195,15 @@ def _join(job: _Job, path: str) -> None:
 
 def _write_part(job: _Job, folder: str, chunk: Index) -> None:
     job.run().write_part(chunk, folder, False)
+
+
+def _write_fragments(job: _Job, bits: int, chunk: Index) -> None:
+    job.run().write_fragments(chunk, bits)
+
+
+def _join_levels(jobs: list[_Job], folder: str) -> None:
+    finest, *coarser = [job.run() for job in jobs]
+    finest.join_levels(coarser, folder, str(jobs[0].label))
 
 
 def _write_fragment(job: _Job, folder: str, chunk: Index) -> str | None:
@@ -234,7 +259,9 @@ def mesh(
     *,
     labels: Iterable[int] | None = None,
     chunk: int = 256,
-    format: str = "precomputed",
+    format: Literal["precomputed", "draco", "ply", "parts"] = "precomputed",
+    levels: int | None = None,
+    bits: Literal[10, 16] = 16,
     work: str | os.PathLike[str] | None = None,
     threads: int = 1,
     **settings: Any,
@@ -247,15 +274,23 @@ def mesh(
         The label array: the path of a Zarr or OME-Zarr store, or a :class:`Source`.
     output
         A folder. With ``format="precomputed"`` a layer for Neuroglancer and ``cloud-volume``, with one legacy mesh of
-        single resolution for each label, positions in nanometres, the corner of the first voxel at the origin
-        of the layer as Neuroglancer has it. With ``"ply"`` a file ``LABEL.ply`` each; with ``"parts"`` a folder
-        ``LABEL`` each, with a PLY file for every chunk. PLY has the coordinates of the image, its unit.
+        single resolution for each label, positions in nanometres as floats, the corner of the first voxel at the
+        origin of the layer as Neuroglancer has it. With ``"draco"`` the same layer with meshes of several
+        resolutions, coded by Draco: a tenth of the bytes, and what is far is read coarse. With ``"ply"`` a file
+        ``LABEL.ply`` each; with ``"parts"`` a folder ``LABEL`` each, with a PLY file for every chunk. PLY has the
+        coordinates of the image, its unit.
     client
         Of ``dask.distributed``. All workers must see the folders under the same names.
     labels
         Default all but 0.
     chunk
         Voxels along an edge of a chunk, a multiple of 128.
+    levels
+        For ``"draco"`` the number of resolutions, each the surface of half as many voxels along each axis as the one
+        before; default until one chunk holds all, and 1 for the finest alone.
+    bits
+        For ``"draco"`` those of each coordinate within its chunk. Vertices move by up to half a step, which is
+        ``chunk / (2**bits - 1)`` voxels.
     work
         A folder for what is found on the way; default ``OUTPUT.work``. It is removed when all is done.
     threads
@@ -265,13 +300,16 @@ def mesh(
     """
     if not isinstance(source, Source):
         source = Source.open(source)
-    if format not in ("precomputed", "ply", "parts"):
-        raise ValueError(f'format is {format!r}, but must be "precomputed", "ply" or "parts"')
+    if format not in ("precomputed", "draco", "ply", "parts"):
+        known = '"precomputed", "draco", "ply" or "parts"'
+        raise ValueError(f"format is {format!r}, but must be {known}")
+    if levels is not None and levels < 1:
+        raise ValueError(f"levels is {levels}, but must be 1 or more")
     wanted = find_labels(source, client, chunk) if labels is None else sorted(set(labels))
     output, work = Path(output), Path(work if work is not None else f"{output}.work")
     output.mkdir(parents=True, exist_ok=True)
     work.mkdir(parents=True, exist_ok=True)
-    placed = _in_nanometres(source) if format == "precomputed" else source
+    placed = _in_nanometres(source) if format in ("precomputed", "draco") else source
     names = tuple(sorted((name, str(value)) for name, value in settings.items() if value is not None))
     jobs = [
         _Job(source, label, str(work / str(label)), chunk, _affine(placed), names, threads)
@@ -281,25 +319,35 @@ def mesh(
         return {}
     # Settings that are wrong show here, before any task.
     chunks = [job.run().chunks() for job in jobs][0]
+    if format in ("precomputed", "draco"):
+        x, y, z = reversed(source.shape)
+        write_info(str(output), (x, y, z), _affine(placed), bits if format == "draco" else None)
     _all(client, _put_voxels, chunks, jobs)
     found = {}
-    if format == "precomputed":
-        _write_info(source, output)
     for job in jobs:
-        found[job.label] = _mesh_label(client, job, chunks, output, format)
+        found[job.label] = _relax_all(client, job)
+        if format == "draco":
+            _write_levels(client, job.levels()[:levels], bits, output / "mesh")
+        else:
+            _write_label(client, job, chunks, output, format)
     for job in jobs:
         job.run().remove()
     work.rmdir()
     return found
 
 
-def _mesh_label(
-    client: Client, job: _Job, chunks: list[Index], output: Path, format: str
-) -> tuple[int, int]:
-    counts = (0, 0)
-    for number in range(job.run().passes):
-        _all(client, _relax, chunks, job, number)
+def _relax_all(client: Client, job: _Job) -> tuple[int, int]:
+    """Makes all passes; the number of vertices and of triangles."""
+    run, counts = job.run(), (0, 0)
+    for number in range(run.passes):
+        _all(client, _relax, run.chunks(), job, number)
         (counts,) = _all(client, _finish, [number], job)
+    return counts
+
+
+def _write_label(
+    client: Client, job: _Job, chunks: list[Index], output: Path, format: str
+) -> None:
     if format == "ply":
         _all(client, _write_piece, chunks, job)
         _all(client, _join, [str(output / f"{job.label}.ply")], job)
@@ -308,10 +356,22 @@ def _mesh_label(
         folder.mkdir(exist_ok=True)
         _all(client, _write_part, chunks, job, str(folder))
     else:
-        names = [name for name in _all(client, _write_fragment, chunks, job, str(output / "mesh")) if name]
+        written = _all(client, _write_fragment, chunks, job, str(output / "mesh"))
+        names = [name for name in written if name]
         # With this file the mesh is there.
         _write(output / "mesh" / f"{job.label}:0", json.dumps({"fragments": names}).encode())
-    return counts
+
+
+def _write_levels(client: Client, jobs: list[_Job], bits: int, folder: Path) -> None:
+    """Writes the mesh of a label in all resolutions, of which the finest has its passes behind it."""
+    for job in jobs:
+        # The folder of a level is made here, before tasks look for it.
+        chunks = job.run().chunks()
+        if job.level:
+            _all(client, _take_finer, chunks, job)
+            _relax_all(client, job)
+        _all(client, _write_fragments, chunks, job, bits)
+    _all(client, _join_levels, [str(folder)], jobs)
 
 
 def _affine(source: Source) -> tuple[tuple[float, float, float, float], ...]:
@@ -334,26 +394,3 @@ def _resolution(source: Source) -> tuple[float, float, float]:
     factor = _NANOMETRES.get(source.unit, 1.0)
     x, y, z = (factor * step for step in source.spacing)
     return x, y, z
-
-
-def _write_info(source: Source, output: Path) -> None:
-    z, y, x = source.shape
-    scale = {
-        "key": "0",
-        "size": [x, y, z],
-        "resolution": list(_resolution(source)),
-        "voxel_offset": [0, 0, 0],
-        "chunk_sizes": [[64, 64, 64]],
-        "encoding": "raw",
-    }
-    info = {
-        "@type": "neuroglancer_multiscale_volume",
-        "type": "segmentation",
-        "data_type": "uint64",
-        "num_channels": 1,
-        "mesh": "mesh",
-        "scales": [scale],
-    }
-    (output / "mesh").mkdir(exist_ok=True)
-    _write(output / "mesh" / "info", json.dumps({"@type": "neuroglancer_legacy_mesh"}).encode())
-    _write(output / "info", json.dumps(info).encode())

@@ -2,7 +2,7 @@
 
 use numpy::ndarray::{ArrayView3, Axis, Slice};
 use numpy::{Element, IntoPyArray, PyArray3, PyArrayMethods, PyReadonlyArray3};
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 use shrouds::volume::{Filler, Voxel};
@@ -50,6 +50,26 @@ pub(crate) fn of_values(py: Python<'_>, values: Values, shape: [usize; 3]) -> Py
         Values::F32(v) => array(py, v, shape),
         Values::F64(v) => array(py, v, shape),
     }
+}
+
+/// The whole numbers of an array that is indexed [z, y, x], x fastest, and how many there are along x, y, z.
+pub(crate) fn labels(values: &Bound<'_, PyAny>) -> PyResult<(Vec<i64>, [usize; 3])> {
+    macro_rules! try_types {
+        ($($label:ty),*) => {$(
+            if let Ok(array) = values.extract::<PyReadonlyArray3<$label>>() {
+                let array = array.as_array();
+                let (nz, ny, nx) = array.dim();
+                let labels = array.iter().map(|&label| i64::try_from(label));
+                let labels = labels.collect::<Result<Vec<i64>, _>>().map_err(|_| {
+                    PyValueError::new_err("a label is beyond those of 64 bits with a sign: relabel the array")
+                })?;
+                return Ok((labels, [nx, ny, nz]));
+            }
+        )*};
+    }
+    try_types!(u8, i8, u16, i16, u32, i32, u64, i64);
+    let message = "labels are whole numbers: convert the array with array.astype";
+    Err(PyValueError::new_err(message))
 }
 
 /// The selected points of an array that is indexed [z, y, x], of any strides and any type of

@@ -4,10 +4,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use numpy::{IntoPyArray, PyArray2, PyArrayMethods};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use shrouds::chunks::Layout;
 use shrouds::{Grid, Settings};
-use shrouds_io::{MeshOptions, Precision};
+use shrouds_io::{MeshOptions, Precision, VertexBits, write_layer_info};
 
 use crate::error;
 use crate::volume::Volume;
@@ -114,6 +115,45 @@ impl ChunkRun {
         self.work(py, move |run| run.write_part(chunk, &folder, &options(double)))
     }
 
+    /// The work on half as many voxels along each axis.
+    fn coarser(&self) -> PyResult<Self> {
+        let run = self.run.coarser().map_err(error::of_file)?;
+        Ok(Self { run: Arc::new(run), threads: self.threads })
+    }
+
+    /// How many resolutions there are, this one and coarser ones, until one chunk holds all.
+    #[getter]
+    fn levels(&self) -> usize {
+        self.run.layout().levels()
+    }
+
+    /// Takes in the voxels of a chunk from the run that this one was made from.
+    fn take_finer(&self, py: Python<'_>, finer: &Self, chunk: Index) -> PyResult<()> {
+        let finer = Arc::clone(&finer.run);
+        self.work(py, move |run| run.take_finer(&finer, chunk))
+    }
+
+    /// Prepares the mesh of a chunk for the files that `join_levels` writes.
+    fn write_fragments(&self, py: Python<'_>, chunk: Index, bits: u32) -> PyResult<()> {
+        let bits = vertex_bits(bits)?;
+        self.work(py, move |run| run.write_fragments(chunk, bits))
+    }
+
+    /// Writes the fragments of this run and coarser ones to two files in a folder.
+    fn join_levels(
+        &self,
+        py: Python<'_>,
+        coarser: Vec<Bound<'_, Self>>,
+        folder: PathBuf,
+        label: String,
+    ) -> PyResult<usize> {
+        let runs: Vec<_> = coarser.iter().map(|run| Arc::clone(&run.get().run)).collect();
+        self.work(py, move |run| {
+            let coarser: Vec<&shrouds_io::ChunkRun> = runs.iter().map(Arc::as_ref).collect();
+            run.join_levels(&coarser, &folder, &label)
+        })
+    }
+
     /// Removes everything that was found.
     fn remove(&self, py: Python<'_>) -> PyResult<()> {
         self.work(py, |run| run.remove())
@@ -130,6 +170,25 @@ impl ChunkRun {
         let run = Arc::clone(&self.run);
         run_quietly(py, self.threads, move || step(&run))?.map_err(error::of_file)
     }
+}
+
+/// Writes the `info` of a layer and of its meshes: Draco-coded with so many bits, or of the legacy kind.
+#[pyfunction]
+#[pyo3(signature = (folder, dims, affine, bits))]
+pub(crate) fn write_info(
+    folder: PathBuf,
+    dims: Index,
+    affine: [[f64; 4]; 3],
+    bits: Option<u32>,
+) -> PyResult<()> {
+    let grid = Grid::with_affine(dims, affine).map_err(error::of_library)?;
+    let bits = bits.map(vertex_bits).transpose()?;
+    write_layer_info(&folder, &grid, bits).map_err(error::of_file)
+}
+
+fn vertex_bits(count: u32) -> PyResult<VertexBits> {
+    VertexBits::of_count(count)
+        .ok_or_else(|| PyValueError::new_err(format!("bits is {count}, but must be 10 or 16")))
 }
 
 fn options(double: bool) -> MeshOptions {

@@ -8,7 +8,9 @@
 mod array;
 mod chunk;
 mod error;
+mod materials;
 mod mesh;
+mod packed;
 mod pool;
 mod report;
 mod shroud;
@@ -24,11 +26,15 @@ mod _native {
     use pyo3::prelude::*;
 
     #[pymodule_export]
-    use crate::chunk::ChunkRun;
+    use crate::chunk::{ChunkRun, write_info};
+    #[pymodule_export]
+    use crate::materials::{MadeMaterials, interfaces};
     #[pymodule_export]
     use crate::mesh::Mesh;
     #[pymodule_export]
-    use crate::shroud::{Made, setting_names, shroud};
+    use crate::packed::{is_labels, pack_labels, unpack_labels, unpack_shroud};
+    #[pymodule_export]
+    use crate::shroud::{Made, contact_area, energy_with, setting_names, shroud};
     #[pymodule_export]
     use crate::volume::{Volume, lattice_for, read_volume};
 

@@ -13,7 +13,7 @@ use shrouds::mesh::MeshKind;
 use shrouds_io::{Attribute, Frame, MeshOptions, Part, Precision, write_meshes};
 use shrouds_report::Checks;
 use shrouds_report::looks::roughness;
-use shrouds_report::measure::Body;
+use shrouds_report::measure::{Body, parts};
 
 use crate::volume::Volume;
 use crate::work::run_quietly;
@@ -86,12 +86,24 @@ impl Mesh {
     }
 
     /// The columns of a mesh of which nothing else is known, as JSON.
-    fn measure(&self, py: Python<'_>, threads: Option<usize>) -> PyResult<String> {
-        let mesh = self.mesh.clone();
+    #[pyo3(signature = (other, threads))]
+    fn measure(
+        &self,
+        py: Python<'_>,
+        other: Option<&Self>,
+        threads: Option<usize>,
+    ) -> PyResult<String> {
+        let (mesh, other) = (self.mesh.clone(), other.map(|other| other.mesh.clone()));
         let measured = run_quietly(py, threads, move || {
-            Body { mesh: &mesh, surface: None, kind: MeshKind::Primal, voxels: None }.measure(None)
+            let body = Body { mesh: &mesh, surface: None, kind: MeshKind::Primal, voxels: None };
+            body.measure(other.as_ref())
         })?;
         json(&measured.map_err(error::of_library)?)
+    }
+
+    /// The parts of the mesh that hang together.
+    fn parts(&self) -> Vec<Self> {
+        parts(&self.mesh).into_iter().map(|mesh| Self { mesh }).collect()
     }
 
     /// Root mean square of the angles between neighbouring triangles, in degrees.
@@ -172,4 +184,17 @@ fn rows<T: Element + Copy>(array: &PyReadonlyArray2<'_, T>, name: &str) -> PyRes
         return Err(PyValueError::new_err(format!("{name} must have the shape (n, 3)")));
     }
     Ok(rows.to_vec())
+}
+
+/// Positions in 32 bits, or in 64 where those would move a vertex by too much.
+pub(crate) fn positions<'py>(
+    py: Python<'py>,
+    vertices: Vec<[f64; 3]>,
+    spacing: f64,
+) -> PyResult<Bound<'py, PyAny>> {
+    if precision(&vertices, spacing) == Precision::Double {
+        return Ok(triples(py, vertices)?.into_any());
+    }
+    let vertices = vertices.into_iter().map(|vertex| vertex.map(|x| x as f32)).collect();
+    Ok(triples::<f32>(py, vertices)?.into_any())
 }

@@ -14,11 +14,11 @@ pub(crate) struct Said {
     /// Which voxels are inside, in words.
     selection: String,
     /// Name of the world.
-    frame: String,
+    pub(crate) frame: String,
     /// Unit of length.
-    unit: String,
+    pub(crate) unit: String,
     /// Seconds that packing the array to bits took.
-    seconds: f64,
+    pub(crate) seconds: f64,
 }
 
 /// Everything about one shroud.

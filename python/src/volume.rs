@@ -10,12 +10,12 @@ use pyo3::types::PyBytes;
 use shrouds::volume::Operation;
 use shrouds::voxelize::{Fit, Rule, grid_for, voxelize};
 use shrouds::{Grid, Occupancy, Select};
-use shrouds_codec::{Profile, Settings};
 use shrouds_io::{Axes, VolumeOptions};
 
 use crate::array::{occupancy, of_values, to_array};
 use crate::error;
 use crate::mesh::Mesh;
+use crate::packed::settings;
 use crate::pool::pool;
 use crate::work::run_quietly;
 
@@ -74,6 +74,28 @@ impl Volume {
         self.occupancy.grid().min_spacing()
     }
 
+    /// The box of its inside points with a margin, as far as there are points.
+    fn cropped(&self, margin: usize) -> PyResult<Self> {
+        let Some(bounds) = self.occupancy.bounding_box() else {
+            return Ok(Self { occupancy: self.occupancy.clone() });
+        };
+        let dims = self.occupancy.grid().dims();
+        made(self.occupancy.crop(std::array::from_fn(|d| {
+            bounds[d].start.saturating_sub(margin)..dims[d].min(bounds[d].end + margin)
+        })))
+    }
+
+    /// The connected components, in the order of their first points.
+    fn components(&self, py: Python<'_>, faces: &str) -> PyResult<Vec<Self>> {
+        let faces = faces.parse().map_err(error::of_library)?;
+        let volume = self.occupancy.clone();
+        let parts = run_quietly(py, None, move || {
+            let components = volume.components(faces);
+            (0..components.count()).map(|n| components.select(|m| m == n).into()).collect()
+        })?;
+        Ok(parts)
+    }
+
     /// What `operation` makes of this volume and another one.
     fn combine(&self, py: Python<'_>, operation: &str, other: &Self) -> PyResult<Self> {
         let operation = match operation {
@@ -116,19 +138,9 @@ impl Volume {
         unit: String,
         threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyBytes>> {
-        let profile = match profile {
-            "fast" => Profile::Fast,
-            "dense" => Profile::Dense,
-            _ => return Err(no_choice("profile", profile, "fast, dense")),
-        };
-        let settings = Settings {
-            profile,
-            faces: faces.parse().map_err(error::of_library)?,
-            border: border.parse().map_err(error::of_library)?,
-            space: frame,
-            unit,
-            ..Settings::default()
-        };
+        let faces = faces.parse().map_err(error::of_library)?;
+        let border = border.parse().map_err(error::of_library)?;
+        let settings = settings(profile, faces, border, frame, unit)?;
         let volume = self.occupancy.clone();
         let bytes = run_quietly(py, threads, move || {
             let mut bytes = Vec::new();
@@ -219,6 +231,6 @@ fn made(volume: Result<Occupancy, shrouds::Error>) -> PyResult<Volume> {
     volume.map(Volume::from).map_err(error::of_library)
 }
 
-fn no_choice(name: &str, value: &str, known: &str) -> PyErr {
+pub(crate) fn no_choice(name: &str, value: &str, known: &str) -> PyErr {
     PyValueError::new_err(format!("{name} is {value:?}, but must be {known}"))
 }

@@ -39,3 +39,43 @@ def gyroid():
     """A large surface for the size of its volume: work for a while."""
     z, y, x = np.mgrid[:128, :128, :128] * (2 * np.pi / 24)
     return np.sin(x) * np.cos(y) + np.sin(y) * np.cos(z) + np.sin(z) * np.cos(x) > 0.2
+
+
+@pytest.fixture(scope="session")
+def cluster():
+    """Two workers with a process each."""
+    import dask
+    from distributed import Client, LocalCluster
+
+    # As often as a test kills workers.
+    dask.config.set({"distributed.scheduler.allowed-failures": 20})
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        with Client(cluster) as client:
+            yield cluster, client
+
+
+@pytest.fixture(scope="session")
+def array():
+    """Two labels that touch, the first with more vertices than one tile has, indexed [z, y, x]."""
+    z, y, x = np.mgrid[:140, :135, :150] * (2 * np.pi / 27)
+    gyroid = np.sin(x) * np.cos(y) + np.sin(y) * np.cos(z) + np.sin(z) * np.cos(x)
+    values = np.where(gyroid > 0.2, 7, 0).astype(np.uint64)
+    values[30:70, 40:100, 50:90][values[30:70, 40:100, 50:90] == 0] = 2**40 + 3
+    return values
+
+
+@pytest.fixture(scope="session")
+def store(array, tmp_path_factory):
+    """The array as one level of an OME-Zarr image, in chunks of 64, with a channel axis."""
+    import zarr
+
+    path = tmp_path_factory.mktemp("store") / "labels.zarr"
+    group = zarr.open_group(str(path), mode="w", zarr_format=2)
+    axes = [{"name": "c", "type": "channel"}]
+    axes += [{"name": name, "type": "space", "unit": "micrometer"} for name in "zyx"]
+    steps = [{"type": "scale", "scale": [1.0, 0.04, 0.01, 0.01]}]
+    dataset = {"path": "0", "coordinateTransformations": steps}
+    group.attrs["multiscales"] = [{"axes": axes, "datasets": [dataset], "version": "0.4"}]
+    level = group.create_array("0", shape=(1, *array.shape), chunks=(1, 64, 64, 64), dtype="u8")
+    level[0] = array
+    return path

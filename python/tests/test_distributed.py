@@ -1,10 +1,9 @@
-"""Surfaces chunk by chunk on Dask's workers, against those made at once.
+"""Surfaces chunk by chunk on Dask's workers, against those made at once."""
 
-What these tests need besides the package is in requirements-distributed.txt; without it they say so and are skipped,
-unless SHROUDS_REQUIRE_ALL is set.
-"""
+import needs
 
-import importlib.util
+needs.packages("zarr", "dask", "distributed", "cloudvolume", "trimesh")
+
 import os
 import random
 import signal
@@ -13,73 +12,11 @@ import threading
 import numpy as np
 import pytest
 import shrouds
-
-NEEDED = ["zarr", "dask", "distributed", "cloudvolume", "trimesh"]
-missing = [name for name in NEEDED if importlib.util.find_spec(name) is None]
-if missing:
-    message = f"not installed: {', '.join(missing)} (python/tests/requirements-distributed.txt)"
-    if os.environ.get("SHROUDS_REQUIRE_ALL"):
-        raise ImportError(message)
-    pytest.skip(message, allow_module_level=True)
-
-import dask
 import trimesh
 import zarr
 from cloudvolume import CloudVolume
-from distributed import Client, LocalCluster
 from shrouds import distributed
-
-SHAPE = (140, 135, 150)
-
-
-@pytest.fixture(scope="module")
-def cluster():
-    """Two workers with a process each."""
-    # As often as a test kills workers.
-    dask.config.set({"distributed.scheduler.allowed-failures": 20})
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
-        with Client(cluster) as client:
-            yield cluster, client
-
-
-@pytest.fixture(scope="module")
-def array():
-    """Two labels that touch, the first with more vertices than one tile has, indexed [z, y, x]."""
-    z, y, x = np.mgrid[: SHAPE[0], : SHAPE[1], : SHAPE[2]] * (2 * np.pi / 17)
-    gyroid = np.sin(x) * np.cos(y) + np.sin(y) * np.cos(z) + np.sin(z) * np.cos(x)
-    values = np.where(gyroid > 0.2, 7, 0).astype(np.uint64)
-    values[30:70, 40:100, 50:90][values[30:70, 40:100, 50:90] == 0] = 2**40 + 3
-    return values
-
-
-@pytest.fixture(scope="module")
-def store(array, tmp_path_factory):
-    """The array as one level of an OME-Zarr image, in chunks of 64, with a channel axis."""
-    path = tmp_path_factory.mktemp("store") / "labels.zarr"
-    group = zarr.open_group(str(path), mode="w", zarr_format=2)
-    axes = [{"name": "c", "type": "channel"}]
-    axes += [{"name": name, "type": "space", "unit": "micrometer"} for name in "zyx"]
-    steps = [{"type": "scale", "scale": [1.0, 0.04, 0.01, 0.01]}]
-    dataset = {"path": "0", "coordinateTransformations": steps}
-    group.attrs["multiscales"] = [{"axes": axes, "datasets": [dataset], "version": "0.4"}]
-    level = group.create_array("0", shape=(1, *SHAPE), chunks=(1, 64, 64, 64), dtype="u8")
-    level[0] = array
-    return path
-
-
-def corners(vertices, faces):
-    """The corners of all triangles as bytes, the least one first, sorted."""
-    places = np.ascontiguousarray(vertices[faces].astype("<f4"))
-    triangles = places.view("V12")[..., 0]
-    least = np.argsort(triangles, axis=1)[:, 0]
-    order = (least[:, None] + np.arange(3)) % 3
-    turned = np.take_along_axis(triangles, order, axis=1)
-    return sorted(map(bytes, turned))
-
-
-def whole(array, label, spacing, origin=(0, 0, 0)):
-    made = shrouds.shroud(array == label, spacing=spacing, origin=origin)
-    return made.vertices, made.faces
+from surfaces import corners, whole
 
 
 def test_precomputed_is_what_cloud_volume_reads(cluster, store, array, tmp_path):
@@ -93,7 +30,7 @@ def test_precomputed_is_what_cloud_volume_reads(cluster, store, array, tmp_path)
     assert found[7] == (len(vertices), len(faces))
     read = volume.mesh.get(7, remove_duplicate_vertices=True)
     read = read[7] if isinstance(read, dict) else read
-    assert corners(read.vertices, read.faces) == corners(vertices, faces)
+    assert np.array_equal(corners(read.vertices, read.faces), corners(vertices, faces))
     assert trimesh.Trimesh(read.vertices, read.faces, process=True).is_watertight
     # Of one tile alone: the same triangles, but for which of them where, and nearly the same places.
     other = volume.mesh.get(2**40 + 3, remove_duplicate_vertices=True)
@@ -108,9 +45,10 @@ def test_files_have_the_surface_that_is_made_at_once(cluster, store, array, tmp_
     distributed.mesh(store, tmp_path / "b", cluster[1], labels=[7], chunk=256, format="parts")
     expected = corners(*whole(array, 7, (0.01, 0.01, 0.04)))
     vertices, faces = shrouds.read_mesh(tmp_path / "a" / "7.ply")
-    assert corners(vertices, faces) == expected
+    assert np.array_equal(corners(vertices, faces), expected)
     parts = [shrouds.read_mesh(file) for file in (tmp_path / "b" / "7").iterdir()]
-    assert sorted(sum((corners(*part) for part in parts), [])) == expected
+    found = np.sort(np.concatenate([corners(*part) for part in parts]))
+    assert np.array_equal(found, expected)
 
 
 def test_killed_workers_change_nothing(cluster, store, tmp_path):

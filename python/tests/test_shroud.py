@@ -254,3 +254,41 @@ def test_processes_that_fork_have_threads_of_their_own(body):
     expected = fork_and_shroud(body)
     with multiprocessing.get_context("fork").Pool(2) as pool:
         assert pool.map_async(fork_and_shroud, [body, body]).get(120) == [expected] * 2
+
+
+def test_rough_places_are_those_of_the_program(program, body, tmp_path):
+    rough = np.zeros(body.shape, bool)
+    rough[:, :, 30:45] = True
+    np.save(tmp_path / "body.npy", body)
+    np.save(tmp_path / "rough.npy", rough)
+    program(
+        "mesh", tmp_path / "body.npy", "--rough", tmp_path / "rough.npy", "-o", tmp_path / "a.ply"
+    )
+    made = shrouds.shroud(body, rough=rough)
+    vertices, faces = shrouds.read_mesh(tmp_path / "a.ply")
+    assert np.array_equal(vertices.astype(np.float32), made.vertices)
+    assert np.array_equal(faces, made.faces)
+    assert not np.array_equal(shrouds.shroud(body).delta, made.delta)
+    turned = shrouds.shroud(body.T, axes="xyz", rough=rough.T)
+    assert np.array_equal(turned.vertices, made.vertices)
+    with pytest.raises(ValueError, match="shape"):
+        shrouds.shroud(body, rough=rough[1:])
+
+
+def test_strict_converges_or_says_so(body):
+    assert shrouds.shroud(body, strict=True).status == "converged"
+    with pytest.raises(shrouds.NotConverged, match="max_iterations") as failure:
+        shrouds.shroud(body, strict=True, max_iterations=1)
+    assert len(failure.value.shroud.vertices)
+    with pytest.raises(ValueError, match="before convergence"):
+        shrouds.shroud(body, strict=True, preset="fast")
+
+
+def test_a_parameter_goes_into_the_energy(body):
+    one = shrouds.shroud(body, energy="curvature", parameter="foley", preset="fast")
+    other = shrouds.shroud(body, energy="curvature(foley)", preset="fast")
+    assert np.array_equal(one.delta, other.delta)
+    with pytest.raises(ValueError, match="cannot go into"):
+        shrouds.shroud(body, parameter="foley")
+    with pytest.raises(ValueError, match="centripetal"):
+        shrouds.shroud(body, energy="curvature", parameter="chrod")

@@ -8,14 +8,19 @@ use anyhow::{Context, Result};
 
 use crate::{root, run, target};
 
-/// The interpreter of an environment with the packages of `tests/python/requirements.txt`, made
-/// anew when that file has changed.
+/// What the judges need, and what the tests of the chunked runs of the Python package need.
+const REQUIREMENTS: [&str; 2] =
+    ["tests/python/requirements.txt", "python/tests/requirements-distributed.txt"];
+
+/// The interpreter of an environment with the packages of [`REQUIREMENTS`], made anew when these files have
+/// changed.
 pub(crate) fn environment() -> Result<PathBuf> {
     let folder = target().join("python");
     let interpreter = folder.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
-    let requirements = root().join("tests/python/requirements.txt");
-    let wanted = fs::read_to_string(&requirements)
-        .with_context(|| format!("cannot read {}", requirements.display()))?;
+    let requirements = REQUIREMENTS.map(|path| root().join(path).display().to_string());
+    let read =
+        |path: &String| fs::read_to_string(path).with_context(|| format!("cannot read {path}"));
+    let wanted = requirements.iter().map(read).collect::<Result<String>>()?;
     // Written last: an environment that broke off half-way has none.
     let mark = folder.join("requirements.txt");
     if interpreter.exists() && fs::read_to_string(&mark).is_ok_and(|installed| installed == wanted)
@@ -26,7 +31,8 @@ pub(crate) fn environment() -> Result<PathBuf> {
         "cannot make a Python environment: install Python 3.10 or newer with its module venv \
          (on Debian and Ubuntu: apt-get install python3-venv)",
     )?;
-    install(&interpreter, &["-r", &requirements.display().to_string()])?;
+    let [judges, distributed] = &requirements;
+    install(&interpreter, &["-r", judges, "-r", distributed])?;
     fs::write(&mark, wanted).with_context(|| format!("cannot write {}", mark.display()))?;
     Ok(interpreter)
 }

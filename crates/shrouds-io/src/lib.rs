@@ -25,6 +25,7 @@ mod chunks;
 mod error;
 mod mesh;
 mod pick;
+mod precomputed;
 mod stream;
 mod text;
 mod volume;
@@ -37,6 +38,7 @@ pub use mesh::{
     Attribute, Line, MeshFormat, MeshOptions, Part, Precision, mesh_format, read_mesh, write_lines,
     write_lines_with, write_materials, write_mesh, write_meshes,
 };
+pub use precomputed::{VertexBits, write_layer_info};
 pub use stream::Progress;
 pub use volume::{
     Axes, Contents, ElementType, Frame, RawLayout, Segment, Selected, Values, Volume, VolumeFormat,

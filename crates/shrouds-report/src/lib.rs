@@ -5,10 +5,14 @@
 //! mesh looks like.
 
 pub mod looks;
+mod materials;
 pub mod measure;
 mod report;
 pub mod vector;
 
+pub use materials::{
+    Contact, LabelChecks, LabelReport, MaterialSolver, MaterialTopology, Materials,
+};
 pub use report::{
     Checks, FirstLast, FoundExpected, Geometry, Lattice, RmsMax, RoundReport, SolverReport, Times,
     Topology, VolumeReport, peak_memory,

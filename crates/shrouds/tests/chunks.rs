@@ -208,3 +208,18 @@ fn values_of_other_voxels_are_refused() {
         Some(Error::Length { .. })
     ));
 }
+
+#[test]
+fn halved_chunks_are_the_halved_volume() {
+    let grid = Grid::new([300, 140, 129], [1.0, 2.0, 3.0]).unwrap();
+    let volume = Occupancy::from_fn(grid.clone(), |[i, j, k]| (i * j + k * k) % 7 < 3);
+    let layout = Layout::new(grid, Border::Closed, 128).unwrap();
+    assert_eq!((layout.counts(), layout.levels()), ([3, 2, 2], 3));
+    let (halved, whole) = (layout.halved().unwrap(), volume.halved().unwrap());
+    assert_eq!((halved.counts(), halved.grid()), ([2, 1, 1], whole.grid()));
+    for chunk in halved.chunks() {
+        let voxels = |part| volume.crop(layout.voxels(part));
+        let part = layout.halved_voxels(chunk, voxels).unwrap();
+        assert_eq!(part, whole.crop(halved.voxels(chunk)).unwrap());
+    }
+}

@@ -6,7 +6,11 @@
 //! was killed is called again; and what was done is not done again. The same steps write the same bytes.
 
 mod artefact;
+mod layer;
 mod run;
 mod written;
 
 pub use run::{ChunkRun, Totals};
+
+/// The folder of the work on a lattice of half as many points, within that of the finer one.
+const COARSER: &str = "coarser";

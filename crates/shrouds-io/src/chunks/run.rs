@@ -1,6 +1,7 @@
 //! From voxels to the positions of all vertices.
 
 use std::fs;
+use std::io::ErrorKind;
 use std::path::PathBuf;
 
 use shrouds::chunks::{Chunk, ChunkMesh, Layout, Passes};
@@ -8,6 +9,7 @@ use shrouds::volume::Border;
 use shrouds::{Occupancy, Settings};
 
 use crate::atomic::write_atomically;
+use crate::chunks::COARSER;
 use crate::chunks::artefact::Artefact;
 use crate::error::Error;
 
@@ -20,9 +22,12 @@ const MIXED: u64 = 2;
 ///
 /// The steps are, in this order, each for all chunks before the next begins: [`put_voxels`](Self::put_voxels);
 /// for every pass [`relax`](Self::relax), and once [`finish`](Self::finish); then
-/// [`write_piece`](Self::write_piece) and [`join`](Self::join), or [`write_part`](Self::write_part).
+/// [`write_piece`](Self::write_piece) and [`join`](Self::join), or [`write_part`](Self::write_part), or
+/// [`write_fragments`](Self::write_fragments) here and for [`coarser`](Self::coarser) runs, and
+/// [`join_levels`](Self::join_levels).
 pub struct ChunkRun {
     pub(super) folder: PathBuf,
+    pub(super) identity: String,
     pub(super) layout: Layout,
     pub(super) settings: Settings,
     passes: Passes,
@@ -67,8 +72,14 @@ impl ChunkRun {
         let folder = folder.into();
         let passes = Passes::new(&settings.optimize)
             .map_err(|cause| Error::Chunks { path: folder.clone(), cause })?;
-        let mut run =
-            Self { folder, layout, settings: settings.clone(), passes, is_continued: false };
+        let mut run = Self {
+            folder,
+            identity: identity.into(),
+            layout,
+            settings: settings.clone(),
+            passes,
+            is_continued: false,
+        };
         fs::create_dir_all(&run.folder).map_err(|cause| run.refused("make it", cause))?;
         let key = run.folder.join("identity");
         run.is_continued = fs::read(&key).is_ok_and(|found| found == identity.as_bytes());
@@ -214,14 +225,14 @@ impl ChunkRun {
         Ok(piece.positions(&self.passes, &shares))
     }
 
-    /// Removes everything that was found, and the folder unless something else is in it.
+    /// Removes everything that was found, coarser runs too, and the folder unless something else is in it.
     ///
     /// # Errors
     /// [`Error::Io`].
     pub fn remove(&self) -> Result<(), Error> {
         self.clear()?;
-        let key = self.folder.join("identity");
-        fs::remove_file(key).map_err(|cause| self.refused("remove what is in it", cause))?;
+        let refused = |cause| self.refused("remove what is in it", cause);
+        fs::remove_file(self.folder.join("identity")).map_err(refused)?;
         // It stays where it is not empty.
         let _ = fs::remove_dir(&self.folder);
         Ok(())
@@ -264,13 +275,18 @@ impl ChunkRun {
 
     fn chunk(&self, chunk: [usize; 3]) -> Result<Chunk<'_>, Error> {
         let voxels = |other| self.voxels(other).map_err(Found::File);
-        Chunk::new(&self.layout, chunk, self.settings.faces, voxels).map_err(|found| match found {
-            Found::File(error) => error,
-            Found::Lattice(cause) => self.failed(cause),
-        })
+        let chunk = Chunk::new(&self.layout, chunk, self.settings.faces, voxels);
+        chunk.map_err(|found| self.of(found))
     }
 
-    fn voxels(&self, chunk: [usize; 3]) -> Result<Occupancy, Error> {
+    pub(super) fn of(&self, found: Found) -> Error {
+        match found {
+            Found::File(error) => error,
+            Found::Lattice(cause) => self.failed(cause),
+        }
+    }
+
+    pub(super) fn voxels(&self, chunk: [usize; 3]) -> Result<Occupancy, Error> {
         let mut artefact = Artefact::read(&self.file("voxels", chunk))?;
         let grid = self.layout.grid().crop(self.layout.voxels(chunk));
         let grid = grid.map_err(|cause| self.failed(cause))?;
@@ -312,7 +328,11 @@ impl ChunkRun {
                 fs::remove_file(&path).map_err(refused)?;
             }
         }
-        Ok(())
+        // All of it is ours.
+        match fs::remove_dir_all(self.folder.join(COARSER)) {
+            Err(cause) if cause.kind() != ErrorKind::NotFound => Err(refused(cause)),
+            _ => Ok(()),
+        }
     }
 
     fn refused(&self, doing: &'static str, cause: std::io::Error) -> Error {
@@ -335,7 +355,7 @@ fn totals([vertices, triangles, energy]: [u64; 3]) -> Totals {
 }
 
 /// What keeps voxels from being read.
-enum Found {
+pub(super) enum Found {
     File(Error),
     Lattice(shrouds::Error),
 }

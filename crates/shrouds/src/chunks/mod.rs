@@ -19,6 +19,7 @@
 //! Uses: `grid`, `volume`, `surface`, `optimize`, `mesh`.
 
 mod chunk;
+mod coarser;
 mod layout;
 mod mesh;
 

@@ -83,6 +83,17 @@ impl Grid {
         Self::with_affine(dims, affine)
     }
 
+    /// A lattice of half as many points along each axis, rounded up, each in the middle of the up to
+    /// eight points that are its own: those of indices 2i and 2i + 1 along each axis.
+    ///
+    /// # Errors
+    /// None for a grid of some points.
+    pub fn halved(&self) -> Result<Self, Error> {
+        let affine =
+            self.affine().map(|[a, b, c, d]| [2.0 * a, 2.0 * b, 2.0 * c, d + 0.5 * (a + b + c)]);
+        Self::with_affine(self.dims().map(|count| count.div_ceil(2)), affine)
+    }
+
     /// The lattice points of one slice, index `[i, j, 0]` of which has index `i` along axis `axis + 1`
     /// and `j` along `axis + 2` (modulo 3) of the whole, in their places in the world. Its third axis
     /// is normal to the slice, with the smaller spacing of the other two.

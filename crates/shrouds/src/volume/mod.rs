@@ -19,6 +19,7 @@ mod offset;
 mod components;
 mod clean;
 mod resample;
+mod halve;
 
 pub use clean::Cleaned;
 pub use combine::Operation;

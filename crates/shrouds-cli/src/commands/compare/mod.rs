@@ -8,6 +8,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use serde::Serialize;
+use shrouds::energy::measures;
 use shrouds::optimize::{Preset, Solver};
 
 use crate::args::{CompareArgs, FrameChoice, SolveArgs};
@@ -116,7 +117,7 @@ impl Candidate {
     /// `--parameter` goes to the measures that take one; that others do not is no fault in a list.
     fn new(text: &str, solve: &SolveArgs, typed: bool) -> Result<Self, Failure> {
         let mut solve = solve.clone();
-        if text == PRESET || !energies::takes_parameter(text) {
+        if text == PRESET || !measures(text).any(|(_, entry)| entry.takes_parameter()) {
             solve.parameter = None;
         }
         let energy = (text != PRESET).then_some(text);
