@@ -20,12 +20,12 @@ struct Place {
 }
 
 impl ChunkRun {
-    /// The same work on a lattice of half as many points ([`Layout::halved`]), in a folder within that of this
+    /// The same work on a lattice of half as many points ([`Layout::halved`](shrouds::chunks::Layout::halved)), in a folder within that of this
     /// one. Its voxels come from [`take_finer`](Self::take_finer).
     ///
     /// # Errors
     /// As for [`open`](Self::open); [`Error::Chunks`] where there is no coarser lattice, see
-    /// [`Layout::levels`].
+    /// [`Layout::levels`](shrouds::chunks::Layout::levels).
     pub fn coarser(&self) -> Result<Self, Error> {
         let layout = self.layout.halved().map_err(|cause| self.failed(cause))?;
         Self::open(self.folder.join(COARSER), &self.identity, layout, &self.settings)

@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::volume::Occupancy;
 
 impl Occupancy {
-    /// The volume on [`Grid::halved`]: a point is inside where at least two of the up to eight points
+    /// The volume on [`Grid::halved`](crate::Grid::halved): a point is inside where at least two of the up to eight points
     /// around it are, that are its own.
     ///
     /// A quarter is enough, so that a rod of one voxel stays whole where a majority would lose it.
