@@ -5,13 +5,13 @@ use std::path::Path;
 use std::time::Instant;
 
 use serde::Serialize;
-use shrouds::check::{CheckSettings, check};
+use shrouds::Grid;
 use shrouds::materials::{Labels, Shrouds};
-use shrouds::{Grid, Occupancy, TriMesh};
 use shrouds_io::Frame;
 
 use crate::console::grouped;
 use crate::failure::Failure;
+use crate::materials::{Checks, Contact, LabelReport, contacts, label_reports};
 use crate::report::{Lattice, Times, name, peak_memory};
 use crate::settings::{Job, SettingsReport};
 
@@ -65,70 +65,12 @@ struct Solver {
     energies: Vec<Vec<f64>>,
 }
 
-/// A label with its closed boundary, in world units.
-#[derive(Serialize)]
-struct LabelReport {
-    label: i64,
-    name: String,
-    voxels: u64,
-    voxel_volume: f64,
-    volume: f64,
-    area: f64,
-    triangles: usize,
-    components: usize,
-    #[serde(flatten)]
-    checks: Checks,
-}
-
-/// Two labels that touch, in the order of their pair, and the area of their triangles.
-#[derive(Serialize)]
-struct Contact {
-    labels: [i64; 2],
-    triangles: usize,
-    area: f64,
-}
-
-/// All should be 0. Of all labels together their sums.
-#[derive(Serialize, Default, Clone, Copy)]
-struct Checks {
-    wrong_label: u64,
-    boundary_edges: u64,
-    non_manifold_edges: u64,
-    non_manifold_vertices: u64,
-    inconsistent_edges: u64,
-    self_intersections: u64,
-}
-
-impl Checks {
-    fn counts(&self) -> [u64; 6] {
-        [
-            self.wrong_label,
-            self.boundary_edges,
-            self.non_manifold_edges,
-            self.non_manifold_vertices,
-            self.inconsistent_edges,
-            self.self_intersections,
-        ]
-    }
-
-    fn add(&mut self, other: &Self) {
-        self.wrong_label += other.wrong_label;
-        self.boundary_edges += other.boundary_edges;
-        self.non_manifold_edges += other.non_manifold_edges;
-        self.non_manifold_vertices += other.non_manifold_vertices;
-        self.inconsistent_edges += other.inconsistent_edges;
-        self.self_intersections += other.self_intersections;
-    }
-}
-
 impl Report {
     /// Checks every label; times of writing and all together come when they are known.
     pub(super) fn new(given: &Given, made: &Shrouds, job: &Job) -> Result<Self, Failure> {
         let start = Instant::now();
-        let (mesh, labels) = (&made.mesh, label_reports(given, made)?);
-        let mut checks = Checks::default();
-        labels.iter().for_each(|label| checks.add(&label.checks));
-        let contact = |(labels, (triangles, area))| Contact { labels, triangles, area };
+        let (mesh, labels) = (&made.mesh, label_reports(given.labels, given.names, &made.mesh)?);
+        let checks = Checks::of_all(&labels);
         let vertices = mesh.surface.vertices.len();
         Ok(Self {
             input: Input {
@@ -150,7 +92,7 @@ impl Report {
                 energies: made.report.passes.clone(),
             },
             labels,
-            contacts: mesh.contacts().into_iter().map(contact).collect(),
+            contacts: contacts(mesh),
             checks,
             times: Times {
                 read: 0.0,
@@ -173,7 +115,6 @@ impl Report {
     }
 
     pub(super) fn summary(&self, output: &Path) -> String {
-        let faults: u64 = self.checks.counts()[1..].iter().sum();
         format!(
             "{}: {} labels, {} contacts, {} vertices, {} triangles, {} of {} voxels in another label, {} faults of label boundaries, {:.2} s",
             output.display(),
@@ -183,49 +124,8 @@ impl Report {
             grouped(self.topology.triangles as u64),
             self.checks.wrong_label,
             grouped(self.input.lattice.dims.iter().product::<usize>() as u64),
-            faults,
+            self.checks.faults(),
             self.times.total,
         )
     }
-}
-
-fn label_reports(given: &Given, made: &Shrouds) -> Result<Vec<LabelReport>, Failure> {
-    let occupancies = given.labels.occupancies()?;
-    let meshes: BTreeMap<i64, TriMesh> = made.mesh.closed_meshes().collect();
-    let own = given.labels.values()[1..].iter().zip(&occupancies);
-    own.map(|(&label, occupancy)| {
-        let name = given.names.get(&label.into()).cloned().unwrap_or_default();
-        label_report(label, name, &meshes[&label], occupancy)
-    })
-    .collect()
-}
-
-fn label_report(
-    label: i64,
-    name: String,
-    mesh: &TriMesh,
-    occupancy: &Occupancy,
-) -> Result<LabelReport, Failure> {
-    let found = check(mesh, occupancy, &CheckSettings::default())?;
-    let (structure, voxels) = (&found.structure, occupancy.count());
-    let separation = &found.separation;
-    let checks = Checks {
-        wrong_label: separation.wrong_side.count + separation.odd_winding.count,
-        boundary_edges: structure.boundary_edges.count,
-        non_manifold_edges: structure.non_manifold_edges.count,
-        non_manifold_vertices: structure.non_manifold_vertices.count,
-        inconsistent_edges: structure.inconsistent_edges.count,
-        self_intersections: found.self_intersections.as_ref().map_or(0, |pairs| pairs.count),
-    };
-    Ok(LabelReport {
-        label,
-        name,
-        voxels,
-        voxel_volume: voxels as f64 * occupancy.grid().voxel_volume(),
-        volume: structure.volume,
-        area: structure.area,
-        triangles: mesh.triangles.len(),
-        components: structure.components.len(),
-        checks,
-    })
 }
