@@ -92,7 +92,9 @@ fn one_mesh_of_all_labels_is_checked_and_measured_as_it_is() {
     assert_eq!(rows.len(), 3);
     for (row, label) in rows.iter().zip(labels) {
         assert_eq!(row["label"], label["label"]);
-        near(&row["volume"], &label["volume"]);
+        // What chords cut off is added, some per cent of so small a body.
+        let [found, chords] = [row, label].map(|of| of["volume"].as_f64().unwrap());
+        assert!((1.0..1.03).contains(&(found / chords)), "{found} {chords}");
     }
     // Between two labels, and between each and the outside.
     let contacts = made["contacts"].as_array().unwrap();
