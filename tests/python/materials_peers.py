@@ -1,10 +1,12 @@
 """Volumes of many labels by `shrouds mesh --materials` and by vtkSurfaceNets3D, judged alike.
 
-    python tests/python/materials_peers.py VOLUME ...
+    python tests/python/materials_peers.py VOLUME ... [--picture PNG]
 
 needs numpy, nibabel and vtk; the environment variable SHROUDS_BIN names the program. Prints a row of
 Markdown for each volume and tool: triangles, lattice points that are not inside their own label (the
 background is a label), edges of label boundaries with an odd number of triangles, and seconds of CPU.
+The picture, which needs matplotlib, shows both tools side by side where most labels of the last volume meet
+in a slice.
 """
 
 import json
@@ -83,8 +85,8 @@ def arrays(mesh, name):
 
 
 def wrong_points(labels, points, triangles, pairs):
-    """Lattice points around which the boundary of their own label passes an even number of times along
-    x; for the background, an odd number."""
+    """At which lattice points the boundary of their own label has passed an even number of times along x;
+    for the background, an odd number."""
     events = []
     corners = points[triangles] + np.array([0, 1.3e-7, 2.1e-7])
     low = np.ceil(corners[:, :, 1:].min(axis=1)).astype(int)
@@ -116,7 +118,7 @@ def wrong_points(labels, points, triangles, pairs):
     rows = row_of(labels.ravel(), y, z) * float(4 * nx)
     passed = np.searchsorted(keys, rows + x + 2) - np.searchsorted(keys, rows)
     odd = passed % 2 == 1
-    return int((odd == (labels.ravel() == 0)).sum())
+    return (odd == (labels.ravel() == 0)).reshape(labels.shape)
 
 
 def open_edges(triangles, pairs):
@@ -131,10 +133,68 @@ def open_edges(triangles, pairs):
     return count
 
 
+def where_labels_meet(labels, size):
+    """The slice along z and the window in it, `size` points wide, in which most triples of labels meet."""
+    best = (-1, None)
+    for z in range(labels.shape[2]):
+        plane = labels[:, :, z]
+        corners = np.stack([plane[:-1, :-1], plane[1:, :-1], plane[1:, 1:], plane[:-1, 1:]])
+        corners.sort(axis=0)
+        meets = (corners[1:] != corners[:-1]).sum(axis=0) >= 2
+        sums = np.pad(meets.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
+        counts = sums[size:, size:] - sums[:-size, size:] - sums[size:, :-size] + sums[:-size, :-size]
+        if counts.size and counts.max() > best[0]:
+            best = (counts.max(), (z, *np.unravel_index(counts.argmax(), counts.shape)))
+    return best[1]
+
+
+def cut(points, triangles, z):
+    """The segments in which triangles pass a height that no point has."""
+    corners = points[triangles]
+    above = corners[:, :, 2] > z
+    corners, above = corners[above.any(axis=1) & ~above.all(axis=1)], above[above.any(axis=1) & ~above.all(axis=1)]
+    lone = above == (above.sum(axis=1) == 1)[:, None]
+    rows, first = np.arange(len(corners)), lone.argmax(axis=1)
+    apex = corners[rows, first]
+    ends = []
+    for n in (1, 2):
+        other = corners[rows, (first + n) % 3]
+        share = (z - apex[:, 2]) / (other[:, 2] - apex[:, 2])
+        ends.append((apex + share[:, None] * (other - apex))[:, :2])
+    return np.stack(ends, axis=1)
+
+
+def draw(path, labels, meshes, size=26):
+    """What both tools make of a piece of a slice; points in another label than their own are crossed."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+    from matplotlib.collections import LineCollection
+
+    z, x0, y0 = where_labels_meet(labels, size)
+    x, y = np.mgrid[x0 : x0 + size, y0 : y0 + size]
+    own = labels[x, y, z]
+    colours = np.where(own > 0, np.unique(own, return_inverse=True)[1].reshape(own.shape) % 20, -1)
+    figure, panels = pyplot.subplots(1, 2, figsize=(11, 5.6), dpi=100, layout="constrained")
+    for panel, (tool, (points, triangles, pairs, _)) in zip(panels, meshes.items()):
+        wrong = wrong_points(labels, points, triangles, pairs)[x, y, z]
+        panel.scatter(x[own > 0], y[own > 0], c=colours[own > 0], cmap="tab20", vmin=0, vmax=19, s=14)
+        panel.scatter(x[own == 0], y[own == 0], c="lightgrey", s=5)
+        panel.scatter(x[wrong], y[wrong], c="red", marker="x", s=45)
+        segments = cut(points, triangles, z + 1e-4)
+        panel.add_collection(LineCollection(segments, colors="black", linewidths=1.1))
+        panel.set(xlim=(x0 - 0.5, x0 + size - 0.5), ylim=(y0 - 0.5, y0 + size - 0.5), aspect="equal", xticks=[], yticks=[])
+        panel.set_title(f"{tool}: {wrong.sum()} of {wrong.size} points in another label")
+    figure.savefig(path)
+
+
 def main():
+    words = sys.argv[1:]
+    picture = words.index("--picture") if "--picture" in words else len(words)
     print("| volume | tool | triangles | wrong-label points | % | open edges | CPU s |")
     print("|---|---|---|---|---|---|---|")
-    for path in map(Path, sys.argv[1:]):
+    for path in map(Path, words[:picture]):
         labels = load(path)
         rows = {"vtkSurfaceNets3D": surface_nets(labels)}
         for preset in ("default",):
@@ -142,12 +202,14 @@ def main():
             rows[f"shrouds, {preset}"] = (*mesh, seconds)
             print(json.dumps(report["checks"]), json.dumps(report["times"]), report["topology"], file=sys.stderr)
         for tool, (points, triangles, pairs, seconds) in rows.items():
-            wrong = wrong_points(labels, points, triangles, pairs)
+            wrong = int(wrong_points(labels, points, triangles, pairs).sum())
             print(
                 f"| {path.name} | {tool} | {len(triangles)} | {wrong} | {100 * wrong / labels.size:.3f} "
                 f"| {open_edges(triangles, pairs)} | {seconds:.1f} |",
                 flush=True,
             )
+    for name in words[picture + 1 :]:
+        draw(name, labels, rows)
 
 
 if __name__ == "__main__":

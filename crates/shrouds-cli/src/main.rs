@@ -19,6 +19,7 @@ mod frame;
 mod input;
 mod label_map;
 mod lines;
+mod materials;
 mod output;
 mod packed;
 mod picture;

@@ -35,8 +35,8 @@ pub use atomic::write_atomically;
 pub use chunks::{ChunkRun, Totals};
 pub use error::Error;
 pub use mesh::{
-    Attribute, Line, MeshFormat, MeshOptions, Part, Precision, mesh_format, read_mesh, write_lines,
-    write_lines_with, write_materials, write_mesh, write_meshes,
+    Attribute, Line, MeshFormat, MeshOptions, Part, Precision, mesh_format, read_materials,
+    read_mesh, write_lines, write_lines_with, write_materials, write_mesh, write_meshes,
 };
 pub use precomputed::{VertexBits, write_layer_info};
 pub use stream::Progress;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 use shrouds::check::{CheckSettings, check};
-use shrouds::materials::{Labels, Shrouds};
+use shrouds::materials::{Labels, MaterialMesh, Shrouds};
 use shrouds::{Error, Occupancy, TriMesh};
 
 /// Everything about the interfaces of a volume but where the volume came from.
@@ -112,13 +112,18 @@ impl LabelChecks {
             + self.self_intersections
     }
 
-    fn add(&mut self, other: &Self) {
-        self.wrong_label += other.wrong_label;
-        self.boundary_edges += other.boundary_edges;
-        self.non_manifold_edges += other.non_manifold_edges;
-        self.non_manifold_vertices += other.non_manifold_vertices;
-        self.inconsistent_edges += other.inconsistent_edges;
-        self.self_intersections += other.self_intersections;
+    /// The sums over some labels.
+    pub fn of_all(labels: &[LabelReport]) -> Self {
+        let mut sums = Self::default();
+        for LabelReport { checks, .. } in labels {
+            sums.wrong_label += checks.wrong_label;
+            sums.boundary_edges += checks.boundary_edges;
+            sums.non_manifold_edges += checks.non_manifold_edges;
+            sums.non_manifold_vertices += checks.non_manifold_vertices;
+            sums.inconsistent_edges += checks.inconsistent_edges;
+            sums.self_intersections += checks.self_intersections;
+        }
+        sums
     }
 }
 
@@ -133,11 +138,9 @@ impl Materials {
         names: &BTreeMap<i128, String>,
     ) -> Result<Self, Error> {
         let mesh = &made.mesh;
-        let contact = |(labels, (triangles, area))| Contact { labels, triangles, area };
         let vertices = mesh.surface.vertices.len();
-        let labels = label_reports(labels, made, names)?;
-        let mut checks = LabelChecks::default();
-        labels.iter().for_each(|label| checks.add(&label.checks));
+        let labels = label_reports(labels, names, mesh)?;
+        let checks = LabelChecks::of_all(&labels);
         Ok(Self {
             topology: MaterialTopology {
                 vertices,
@@ -153,23 +156,34 @@ impl Materials {
                 energies: made.report.passes.clone(),
             },
             labels,
-            contacts: mesh.contacts().into_iter().map(contact).collect(),
+            contacts: contacts(mesh),
             checks,
         })
     }
 }
 
-fn label_reports(
+/// The areas in which labels touch.
+pub fn contacts(mesh: &MaterialMesh) -> Vec<Contact> {
+    let contact = |(labels, (triangles, area))| Contact { labels, triangles, area };
+    mesh.contacts().into_iter().map(contact).collect()
+}
+
+/// Checks the boundaries of all labels of a volume. One that has none in the mesh has an empty one.
+///
+/// # Errors
+/// None for labels on a lattice with cells.
+pub fn label_reports(
     labels: &Labels,
-    made: &Shrouds,
     names: &BTreeMap<i128, String>,
+    mesh: &MaterialMesh,
 ) -> Result<Vec<LabelReport>, Error> {
     let occupancies = labels.occupancies()?;
-    let meshes: BTreeMap<i64, TriMesh> = made.mesh.closed_meshes().collect();
+    let meshes: BTreeMap<i64, TriMesh> = mesh.closed_meshes().collect();
+    let none = TriMesh::default();
     let own = labels.values()[1..].iter().zip(&occupancies);
     own.map(|(&label, occupancy)| {
         let name = names.get(&label.into()).cloned().unwrap_or_default();
-        label_report(label, name, &meshes[&label], occupancy)
+        label_report(label, name, meshes.get(&label).unwrap_or(&none), occupancy)
     })
     .collect()
 }

@@ -11,6 +11,11 @@ use shrouds::optimize::Preset;
 
 type Point = [f64; 3];
 
+/// The parts of interfaces that are told apart: spherical and flat, away from junction lines and nearer to
+/// one than this many voxels.
+const PARTS: [&str; 4] = ["round, away", "round, near", "flat, away", "flat, near"];
+const NEAR: f64 = 3.0;
+
 /// `square·|p − centre|² + slope·p + offset`.
 #[derive(Clone, Copy)]
 struct Function {
@@ -60,7 +65,7 @@ fn main() {
             {
                 let settings = Settings { preset, ..Settings::default() };
                 let found = shrouds(labels.clone(), &settings).expect("good settings");
-                let [distance, normal] = body.interface_errors(&found.mesh, size);
+                let [[distance, normal], parts @ ..] = body.interface_errors(&found.mesh, size);
                 let junction = body.junction_error(&found.mesh, size);
                 println!(
                     "{:<10} {size:>5} {name:>8} | {distance:>8.4} {normal:>8.3} | {junction:>8.4} {:>4} steps {:.2} s",
@@ -68,6 +73,11 @@ fn main() {
                     found.report.steps(),
                     found.times.optimize,
                 );
+                for (part, [distance, normal]) in PARTS.into_iter().zip(parts) {
+                    if distance.is_finite() {
+                        println!("{part:>25} | {distance:>8.4} {normal:>8.3} |");
+                    }
+                }
             }
         }
     }
@@ -130,9 +140,10 @@ impl Body {
         p.iter().all(|&x| x > 5.0 && x < size as f64 - 6.0)
     }
 
-    /// The root mean squares of the distances and angles of the triangles.
-    fn interface_errors(&self, mesh: &MaterialMesh, size: usize) -> [f64; 2] {
-        let (mut sums, mut total) = ([0.0; 2], 0.0);
+    /// The root mean squares of the distances and angles of the triangles: of all, and of the parts as
+    /// [`PARTS`] names them. NaN for a part that the body has not.
+    fn interface_errors(&self, mesh: &MaterialMesh, size: usize) -> [[f64; 2]; 5] {
+        let mut sums = [[0.0; 3]; 5];
         for (triangle, pair) in mesh.surface.triangles.iter().zip(&mesh.pairs) {
             let [a, b, c] = triangle.map(|v| mesh.surface.vertices[v as usize]);
             let centre = [0, 1, 2].map(|k| (a[k] + b[k] + c[k]) / 3.0);
@@ -150,11 +161,17 @@ impl Body {
             // Towards the second label its function falls below that of the first.
             let to = subtract(f.gradient(centre), g.gradient(centre));
             let cosine = dot(cross, to) / (length(cross) * length(to));
-            sums[0] += area * distance / 3.0;
-            sums[1] += area * cosine.clamp(-1.0, 1.0).acos().to_degrees().powi(2);
-            total += area;
+            let angle = cosine.clamp(-1.0, 1.0).acos().to_degrees();
+            let is_flat = f.square == g.square;
+            let is_near = self.functions.len() > 2 && self.junction_distance(centre) < NEAR;
+            for part in [0, 1 + 2 * usize::from(is_flat) + usize::from(is_near)] {
+                let [distances, angles, total] = &mut sums[part];
+                *distances += area * distance / 3.0;
+                *angles += area * angle * angle;
+                *total += area;
+            }
         }
-        sums.map(|sum| (sum / total).sqrt())
+        sums.map(|[distances, angles, total]| [distances, angles].map(|sum| (sum / total).sqrt()))
     }
 
     fn pair(&self, [a, b]: [usize; 2]) -> Option<[Function; 2]> {

@@ -65,8 +65,8 @@ const ARROWS: &[(&str, &[&str])] = &[
     (
         "materials",
         &[
-            "grid", "volume", "surface", "energy", "optimize", "mesh", "pipeline", "error",
-            "parallel", "random", "vector", "settings",
+            "grid", "volume", "surface", "network", "energy", "optimize", "mesh", "pipeline",
+            "error", "parallel", "random", "vector", "settings",
         ],
     ),
     // Of two bodies that touch: shrouds of their own, measured.

@@ -22,7 +22,8 @@ A mesh of any origin, and how far it is from the shroud of a volume:
 
 #[derive(Args)]
 pub(crate) struct MeasureArgs {
-    /// A volume file, which is shrouded first, or a mesh file: .ply, .stl or .obj
+    /// A volume file, which is shrouded first, or a mesh file: .ply, .stl or .obj; of several materials, label
+    /// by label, .ply
     pub(crate) input: PathBuf,
     /// One row for each label but 0
     #[arg(long = "labels", value_enum, value_name = "all", conflicts_with_all = ["labels", "threshold"])]

@@ -163,8 +163,8 @@ pub(crate) struct MeshArgs {
 
 #[derive(Args)]
 pub(crate) struct CheckArgs {
-    /// The mesh file: .ply, .stl or .obj; or a certificate, .json, alone, which is verified from the files
-    /// that it names
+    /// The mesh file: .ply, .stl or .obj; of several materials, all labels of which are checked, .ply; or a
+    /// certificate, .json, alone, which is verified from the files that it names
     #[arg(value_name = "MESH|CERTIFICATE")]
     pub(crate) mesh: PathBuf,
     /// The volume file it is to be the surface of, as for `shrouds mesh`

@@ -6,7 +6,9 @@ use serde::Serialize;
 use shrouds::Occupancy;
 use shrouds::check::{CheckReport, Found};
 use shrouds::volume::{Border, FaceRule};
+use shrouds_io::read_materials;
 
+use super::check_materials;
 use crate::args::{Axes, CheckArgs};
 use crate::certificate::{self, Examined, Subject, Verdict};
 use crate::console::{Console, grouped, print_json};
@@ -20,7 +22,10 @@ pub(crate) fn run(args: &CheckArgs, console: Console) -> Result<(), Failure> {
     let is_certificate = args.mesh.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
     match &args.volume {
         _ if is_certificate => verify(args, console),
-        Some(volume) => check(args, volume, console),
+        Some(volume) => match read_materials(&args.mesh)? {
+            Some(mesh) => check_materials::run(args, volume, &mesh, console),
+            None => check(args, volume, console),
+        },
         None => Err(Failure::Call(format!(
             "{}: a mesh is checked against its volume: give it with --volume",
             args.mesh.display()

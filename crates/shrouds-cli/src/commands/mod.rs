@@ -1,6 +1,7 @@
 //! What each verb does.
 
 mod check;
+mod check_materials;
 pub(crate) mod compare;
 mod contain;
 mod contours;

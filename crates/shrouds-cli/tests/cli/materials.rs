@@ -1,6 +1,6 @@
 //! `mesh --materials`: the interfaces of all labels.
 
-use serde_json::json;
+use serde_json::{Value, json};
 use shrouds_io::read_mesh;
 
 use crate::common::{Folder, npy};
@@ -72,4 +72,49 @@ fn the_closed_meshes_of_a_folder_are_certified_and_share_their_corners() {
     assert_eq!(folder.run("mesh labels.npy --materials -o all.stl").code, 2);
     assert_eq!(folder.run("mesh labels.npy --materials -o all.ply --energy linear").code, 2);
     assert_eq!(folder.run("mesh labels.npy --materials --label 4 -o all.ply").code, 2);
+}
+
+#[test]
+fn one_mesh_of_all_labels_is_checked_and_measured_as_it_is() {
+    let folder = folder();
+    folder.succeed("mesh labels.npy --materials -o all.ply --report all.json --preset fast");
+    let made = folder.json("all.json");
+    let parsed = |text: String| -> Value { serde_json::from_str(&text).unwrap() };
+    let checked = parsed(folder.succeed("check all.ply --volume labels.npy --json"));
+    assert_eq!(checked["checks"], made["checks"]);
+    assert_eq!(checked["contacts"].as_array().unwrap().len(), 6);
+    let near = |a: &Value, b: &Value| {
+        let (a, b) = (a.as_f64().unwrap(), b.as_f64().unwrap());
+        assert!((a - b).abs() < 1e-4 * b, "{a} {b}");
+    };
+    let measured = parsed(folder.succeed("measure all.ply --json"));
+    let (rows, labels) = (measured["rows"].as_array().unwrap(), made["labels"].as_array().unwrap());
+    assert_eq!(rows.len(), 3);
+    for (row, label) in rows.iter().zip(labels) {
+        assert_eq!(row["label"], label["label"]);
+        // What chords cut off is added, some per cent of so small a body.
+        let [found, chords] = [row, label].map(|of| of["volume"].as_f64().unwrap());
+        assert!((1.0..1.03).contains(&(found / chords)), "{found} {chords}");
+    }
+    // Between two labels, and between each and the outside.
+    let contacts = made["contacts"].as_array().unwrap();
+    let between: Vec<&Value> = contacts.iter().filter(|c| c["labels"][1] != 0).collect();
+    assert_eq!(measured["contacts"].as_array().unwrap().len(), between.len());
+    for (found, contact) in measured["contacts"].as_array().unwrap().iter().zip(between) {
+        assert_eq!(json!([found["label"], found["other"]]), contact["labels"]);
+        near(&found["area"], &contact["area"]);
+    }
+    let outside = contacts.iter().filter(|c| c["labels"][1] == 0);
+    for (row, contact) in rows.iter().zip(outside) {
+        near(&row["contact_outside"], &contact["area"]);
+    }
+    // One voxel of label 4 becomes one of label 9.
+    let mut values: Vec<u8> = (0..SIZE.pow(3)).map(label).collect();
+    let inside = (0..SIZE.pow(3)).find(|&n| (0..3).all(|k| values[n + k * SIZE * SIZE] == 4));
+    values[inside.unwrap() + SIZE * SIZE] = 9;
+    folder.file("other.npy", &npy("|u1", "(20, 20, 20)", &values));
+    let done = folder.run("check all.ply --volume other.npy");
+    assert_eq!(done.code, 1, "{}", done.out);
+    assert!(done.err.contains("in another label") && done.out.contains("FAIL  label 4"));
+    folder.refuse("check all.ply --volume labels.npy --label 4", 2, &["--label", "closed mesh"]);
 }

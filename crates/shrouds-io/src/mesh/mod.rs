@@ -15,9 +15,11 @@ mod vtp;
 mod xml;
 
 use std::fs;
+use std::io::Read;
 use std::path::Path;
 
 use shrouds::TriMesh;
+use shrouds::materials::MaterialMesh;
 
 use crate::atomic::write_atomically;
 use crate::error::Error;
@@ -242,6 +244,40 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<TriMesh, Error> {
     check_mesh(&mesh, f64::MAX).map_err(|problem| Error::mesh(path, problem))?;
     Ok(mesh)
 }
+
+/// Reads a mesh of several materials, as [`write_materials`] writes it: a PLY file whose faces have the
+/// properties `first` and `second`. Nothing for any other mesh.
+///
+/// # Errors
+/// As [`read_mesh`] for such a file, and [`Error::Mesh`] when a triangle has one label on both sides or a
+/// line names a vertex that is not there.
+pub fn read_materials(path: impl AsRef<Path>) -> Result<Option<MaterialMesh>, Error> {
+    let path = path.as_ref();
+    if mesh_format(path)? != MeshFormat::Ply || path.is_dir() {
+        return Ok(None);
+    }
+    let mut head = Vec::new();
+    let mut file = fs::File::open(path).map_err(|cause| Error::open(path, cause))?;
+    let read = (&mut file).take(LONGEST_HEADER).read_to_end(&mut head);
+    read.map_err(|cause| Error::open(path, cause))?;
+    if !ply_read::has_labels(&head) {
+        return Ok(None);
+    }
+    file.read_to_end(&mut head).map_err(|cause| Error::open(path, cause))?;
+    let mesh = ply_read::parsed(path, &head)?;
+    check_mesh(&mesh.surface, f64::MAX).map_err(|problem| Error::mesh(path, problem))?;
+    let vertices = mesh.surface.vertices.len();
+    if let Some(n) = mesh.pairs.iter().position(|[first, second]| first == second) {
+        return Err(Error::mesh(path, format!("triangle {n} has one label on both sides")));
+    }
+    if mesh.lines.as_flattened().iter().any(|&v| v as usize >= vertices) {
+        return Err(Error::mesh(path, "an edge names a vertex that is not there"));
+    }
+    Ok(Some(mesh))
+}
+
+/// Bytes of a file in which its header is looked for.
+const LONGEST_HEADER: u64 = 1 << 16;
 
 /// Appends a polygon to `triangles` as a fan around its first corner; says what is wrong with it.
 fn push_fan(triangles: &mut Vec<[u32; 3]>, corners: &[u32]) -> Result<(), String> {

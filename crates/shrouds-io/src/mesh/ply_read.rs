@@ -6,6 +6,7 @@
 use std::path::Path;
 
 use shrouds::TriMesh;
+use shrouds::materials::MaterialMesh;
 
 use crate::error::Error;
 use crate::mesh::push_fan;
@@ -48,6 +49,23 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<TriMesh, Error> {
         let advice = "check the extension, or write it again as .ply";
         return Err(Error::Content { path: path.into(), expected: "a PLY mesh", advice });
     }
+    Ok(parsed(path, bytes)?.surface)
+}
+
+/// Whether the header, of which these are the first bytes, says that every face has two labels.
+pub(super) fn has_labels(bytes: &[u8]) -> bool {
+    let mut cursor = Cursor { bytes, at: 0, encoding: Encoding::Text };
+    let Ok((_, elements)) = header(&mut cursor) else { return false };
+    let faces = elements.iter().find(|element| element.name == "face");
+    let has = |name| {
+        let of_name = |p: &Property| p.name == name && p.length.is_none();
+        faces.is_some_and(|faces| faces.properties.iter().any(of_name))
+    };
+    has("first") && has("second")
+}
+
+/// The mesh, with the labels of its faces and its edges if it has some.
+pub(super) fn parsed(path: &Path, bytes: &[u8]) -> Result<MaterialMesh, Error> {
     parse(bytes).map_err(|mut problem| {
         if !bytes.ends_with(b"\n") && problem.starts_with("it ends") {
             problem.push_str(" (in a text file that is complete, the last line must end too)");
@@ -56,15 +74,16 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<TriMesh, Error> {
     })
 }
 
-fn parse(bytes: &[u8]) -> Result<TriMesh, String> {
+fn parse(bytes: &[u8]) -> Result<MaterialMesh, String> {
     let mut cursor = Cursor { bytes, at: 0, encoding: Encoding::Text };
     let (encoding, elements) = header(&mut cursor)?;
     cursor.encoding = encoding;
-    let mut mesh = TriMesh::default();
+    let mut mesh = MaterialMesh::default();
     for element in &elements {
         match element.name.as_str() {
-            "vertex" => vertices(&mut cursor, element, &mut mesh)?,
+            "vertex" => vertices(&mut cursor, element, &mut mesh.surface)?,
             "face" => faces(&mut cursor, element, &mut mesh)?,
+            "edge" => edges(&mut cursor, element, &mut mesh)?,
             "tristrips" => return Err("it has triangle strips, which are not read".into()),
             _ => skip(&mut cursor, element)?,
         }
@@ -160,15 +179,28 @@ fn vertices(cursor: &mut Cursor, element: &Element, mesh: &mut TriMesh) -> Resul
     Ok(())
 }
 
-fn faces(cursor: &mut Cursor, element: &Element, mesh: &mut TriMesh) -> Result<(), String> {
-    let roles = roles(element, &["vertex_indices", "vertex_index"])?;
+fn faces(cursor: &mut Cursor, element: &Element, mesh: &mut MaterialMesh) -> Result<(), String> {
+    const LABELS: [&str; 2] = ["first", "second"];
+    let roles = roles(element, &["vertex_indices", "vertex_index", LABELS[0], LABELS[1]])?;
+    let has_labels = LABELS
+        .iter()
+        .all(|name| element.properties.iter().any(|p| p.name == *name && p.length.is_none()));
     let mut corners = Vec::new();
     for index in 0..element.count {
         let truncated = || format!("it ends at face {index} of {}", element.count);
+        let (mut pair, before) = ([0; 2], mesh.surface.triangles.len());
         for (property, role) in element.properties.iter().zip(&roles) {
-            let (Some(length), Some(_)) = (property.length, role) else {
-                cursor.skip(property).ok_or_else(truncated)?;
-                continue;
+            let length = match (property.length, role) {
+                (Some(length), Some(0 | 1)) => length,
+                (None, Some(role @ (2 | 3))) => {
+                    let label = cursor.number(property.number).ok_or_else(truncated)?;
+                    pair[role - 2] = label as i64;
+                    continue;
+                }
+                _ => {
+                    cursor.skip(property).ok_or_else(truncated)?;
+                    continue;
+                }
             };
             corners.clear();
             for _ in 0..cursor.length(length).ok_or_else(truncated)? {
@@ -179,14 +211,36 @@ fn faces(cursor: &mut Cursor, element: &Element, mesh: &mut TriMesh) -> Result<(
                 }
                 corners.push(corner as u32);
             }
-            push_fan(&mut mesh.triangles, &corners)
+            push_fan(&mut mesh.surface.triangles, &corners)
                 .map_err(|problem| format!("face {index} {problem}"))?;
+        }
+        if has_labels {
+            let added = mesh.surface.triangles.len() - before;
+            mesh.pairs.extend(std::iter::repeat_n(pair, added));
         }
     }
     let list =
         |(property, role): (&Property, &Option<usize>)| property.length.is_some() && role.is_some();
     if element.count > 0 && !element.properties.iter().zip(&roles).any(list) {
         return Err("the faces have no list vertex_indices".into());
+    }
+    Ok(())
+}
+
+/// The edges, if they are what this program writes; others are left out.
+fn edges(cursor: &mut Cursor, element: &Element, mesh: &mut MaterialMesh) -> Result<(), String> {
+    let is_end = |p: &Property, name| p.name == name && p.length.is_none();
+    let [first, second] = element.properties.as_slice() else { return skip(cursor, element) };
+    if !(is_end(first, "vertex1") && is_end(second, "vertex2")) {
+        return skip(cursor, element);
+    }
+    for index in 0..element.count {
+        let mut end = |property: &Property| cursor.number(property.number);
+        let ends = [end(first), end(second)];
+        let [Some(a), Some(b)] = ends else {
+            return Err(format!("it ends at edge {index} of {}", element.count));
+        };
+        mesh.lines.push([a as u32, b as u32]);
     }
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::grid::Grid;
-use crate::materials::face::{End, JUNCTION, has_junction, segments};
+use crate::materials::face::{End, Segment, has_junction, segments};
 use crate::materials::labels::{Labels, pair};
 use crate::materials::marks::Marks;
 use crate::surface::bits::{mask_below, set_bits, shifted};
@@ -111,53 +111,50 @@ impl Interfaces {
         [crossing.inside(), crossing.outside()].map(|point| self.labels.ranks()[at(point)])
     }
 
-    /// The labels of the corners of the face normal to `normal` with this lowest corner, in cyclic order.
+    /// The number of the crossing on an edge of a face.
     #[inline]
-    fn face_labels(&self, normal: usize, low: [usize; 3]) -> [u32; 4] {
-        let strides = self.labels.strides();
-        let at: usize = (0..3).map(|a| low[a] * strides[a]).sum();
-        face_labels(self.labels.ranks(), strides, normal, at)
-    }
-
-    /// The point at an end of a segment on a face.
-    #[inline]
-    fn point_at(&self, normal: usize, low: [usize; 3], end: End) -> u32 {
+    pub(super) fn face_crossing(&self, normal: usize, low: [usize; 3], edge: End) -> u32 {
         let [u, v] = across(normal);
-        if end == JUNCTION {
-            return self.crossings.len() as u32 + self.faces.number(normal, low);
-        }
         // Edges 0 and 2 run along the first axis, 1 and 3 along the second.
         let mut start = low;
-        start[v] += usize::from(end == 2);
-        start[u] += usize::from(end == 1);
-        self.edges.number(if end & 1 == 0 { u } else { v }, start)
+        start[v] += usize::from(edge == 2);
+        start[u] += usize::from(edge == 1);
+        self.edges.number(if edge & 1 == 0 { u } else { v }, start)
     }
 
-    /// The points before and after a crossing on the planar curve in the plane normal to `normal`: it
-    /// runs with the first label of the crossing's pair on its right, seen from the high side.
-    pub(super) fn neighbours(&self, crossing: Crossing, normal: usize) -> [u32; 2] {
-        let (low, axis) = (crossing.low(), crossing.axis());
-        let [u, v] = across(normal);
-        let side = if axis == u { v } else { u };
-        let mut before = low;
-        before[side] -= 1;
-        // In the face on the high side the crossing's edge is the first along its axis.
-        let faces = [(low, if axis == u { 0 } else { 3 }), (before, if axis == u { 2 } else { 1 })];
-        let mut found = [u32::MAX; 2];
-        for (low, edge) in faces {
-            for segment in segments(self.face_labels(normal, low), self.rule) {
-                let Some(place) = segment.ends.iter().position(|&end| end == edge) else {
+    /// Calls `f` with all faces normal to an axis that a curve passes: the lowest corner, and a bit for
+    /// each crossed edge.
+    pub(super) fn for_each_face(&self, normal: usize, mut f: impl FnMut([usize; 3], u8)) {
+        let [_, ny, nz] = self.grid().dims();
+        for (k, j) in (0..nz).flat_map(|k| (0..ny).map(move |j| (k, j))) {
+            for w in 0..self.edges.words() {
+                let Some(edges) = face_edges(&self.edges, [ny, nz], normal, [w, j, k]) else {
                     continue;
                 };
-                let other = self.point_at(normal, low, segment.ends[1 - place]);
-                // Segments at junctions run to them, whichever label is on their right.
-                let leaves =
-                    (place == 0) == (pair(segment.right, segment.left)[0] == segment.right);
-                found[usize::from(leaves)] = other;
+                let [a, b, c, d] = edges;
+                for bit in set_bits(a & (b | c | d) | b & (c | d) | c & d) {
+                    let crossed = (0..4).fold(0, |all, q| all | (edges[q] >> bit & 1) << q);
+                    f([64 * w + bit as usize, j, k], crossed as u8);
+                }
             }
         }
-        debug_assert!(!found.contains(&u32::MAX), "{crossing:?} ends a curve");
-        found
+    }
+
+    /// The number of the junction on a face, from 0 on, if it has one.
+    #[inline]
+    pub(super) fn junction_on(&self, normal: usize, low: [usize; 3]) -> Option<u32> {
+        self.faces.number_if_marked(normal, low)
+    }
+
+    /// The segments on a face.
+    pub(super) fn segments_on(
+        &self,
+        normal: usize,
+        low: [usize; 3],
+    ) -> impl Iterator<Item = Segment> + use<> {
+        let strides = self.labels.strides();
+        let at = (0..3).map(|a| low[a] * strides[a]).sum();
+        segments(face_labels(self.labels.ranks(), strides, normal, at), self.rule)
     }
 
     /// Calls `f` with all cells of a layer that an interface passes, in scan order: the lowest corner
@@ -243,31 +240,10 @@ fn mark_faces(labels: &Labels, edges: &Marks, j: usize, k: usize, words: &mut [u
     let [_, ny, nz] = labels.grid().dims();
     let (ranks, strides) = (labels.ranks(), labels.strides());
     let start = k * strides[2] + j * strides[1];
-    let count = edges.words();
-    let (beside, above) = ((j + 1).min(ny - 1), (k + 1).min(nz - 1));
-    let row = |axis, j, k| edges.row(axis, j, k);
-    for (normal, words) in words.chunks_exact_mut(count).enumerate() {
-        if normal != 1 && j + 1 == ny || normal != 2 && k + 1 == nz {
-            continue;
-        }
+    for (normal, words) in words.chunks_exact_mut(edges.words()).enumerate() {
         for (w, word) in words.iter_mut().enumerate() {
-            // The edges along one axis of the face and along the other.
-            let [a, b, c, d] = match normal {
-                0 => [row(1, j, k)[w], row(1, j, above)[w], row(2, j, k)[w], row(2, beside, k)[w]],
-                1 => [
-                    row(2, j, k)[w],
-                    shifted(row(2, j, k), w),
-                    row(0, j, k)[w],
-                    row(0, j, above)[w],
-                ],
-                _ => [
-                    row(0, j, k)[w],
-                    row(0, beside, k)[w],
-                    row(1, j, k)[w],
-                    shifted(row(1, j, k), w),
-                ],
-            };
-            let at_least_three = a & b & (c | d) | c & d & (a | b);
+            let Some([a, b, c, d]) = face_edges(edges, [ny, nz], normal, [w, j, k]) else { break };
+            let at_least_three = a & c & (b | d) | b & d & (a | c);
             for bit in set_bits(at_least_three) {
                 let at = start + 64 * w + bit as usize;
                 let meets = has_junction(face_labels(ranks, strides, normal, at));
@@ -275,4 +251,24 @@ fn mark_faces(labels: &Labels, edges: &Marks, j: usize, k: usize, words: &mut [u
             }
         }
     }
+}
+
+/// Which of the four edges of the faces whose lowest corners are in a word of a row are crossed; nothing
+/// if the row has no such faces.
+#[inline]
+fn face_edges(
+    edges: &Marks,
+    [ny, nz]: [usize; 2],
+    normal: usize,
+    [w, j, k]: [usize; 3],
+) -> Option<[u64; 4]> {
+    if normal != 1 && j + 1 == ny || normal != 2 && k + 1 == nz {
+        return None;
+    }
+    let row = |axis, j, k| edges.row(axis, j, k);
+    Some(match normal {
+        0 => [row(1, j, k)[w], row(2, j + 1, k)[w], row(1, j, k + 1)[w], row(2, j, k)[w]],
+        1 => [row(2, j, k)[w], row(0, j, k + 1)[w], shifted(row(2, j, k), w), row(0, j, k)[w]],
+        _ => [row(0, j, k)[w], shifted(row(1, j, k), w), row(0, j + 1, k)[w], row(1, j, k)[w]],
+    })
 }

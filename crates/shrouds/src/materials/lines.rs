@@ -7,9 +7,12 @@
 use std::collections::HashMap;
 
 use crate::materials::cell::Filling;
-use crate::materials::interfaces::Interfaces;
+use crate::materials::interfaces::{Interfaces, Junction, across};
+use crate::materials::rows::{Row, UNKNOWNS};
 use crate::materials::span::order;
+use crate::optimize::Real;
 use crate::parallel;
+use crate::vector::{length, subtract};
 
 /// What the bending of lines counts for each unit of that of planar curves.
 const WEIGHT: f64 = 1.0;
@@ -18,129 +21,67 @@ const WEIGHT: f64 = 1.0;
 const SHORT: f64 = 0.05;
 const NONE: u32 = u32::MAX;
 
-/// The junctions before and after each on its line.
-#[derive(Debug)]
-pub(super) struct JunctionLines {
-    beside: Vec<[u32; 2]>,
-    /// Lowest corners and axes of the faces, lengths in units of the smallest spacing.
-    corners: Vec<[f64; 3]>,
-    axes: Vec<[usize; 2]>,
+/// The bending of all junction lines.
+pub(super) struct JunctionLines<'a> {
+    junctions: &'a [Junction],
+    /// Every junction between two others of its line.
+    threes: Vec<[u32; 3]>,
+    /// In units of the smallest.
     spacing: [f64; 3],
     /// The first unknown of the first junction.
     first: usize,
-    rows: Vec<Row>,
-    products: Vec<[f32; 3]>,
+    pub(super) rows: Vec<Row<3>>,
 }
 
-/// The residual at a junction, and what it gains when the junction before, its own or the next moves.
-#[derive(Debug, Clone, Copy, Default)]
-struct Row {
-    residual: [f32; 3],
-    factors: [f32; 3],
-}
-
-impl JunctionLines {
-    pub(super) fn trace(interfaces: &Interfaces) -> Self {
-        let unit = interfaces.grid().min_spacing();
-        let spacing = interfaces.grid().spacing().map(|spacing| spacing / unit);
-        let junctions = interfaces.junctions();
-        let corner =
-            |n: usize| std::array::from_fn(|a| f64::from(junctions[n].low[a]) * spacing[a]);
-        Self {
-            beside: neighbours(interfaces),
-            corners: (0..junctions.len()).map(corner).collect(),
-            axes: junctions.iter().map(|junction| junction.axes()).collect(),
-            spacing,
-            first: interfaces.crossings().len(),
-            rows: vec![Row::default(); junctions.len()],
-            products: vec![[0.0; 3]; junctions.len()],
-        }
+impl<'a> JunctionLines<'a> {
+    pub(super) fn trace(interfaces: &'a Interfaces, spacing: [f64; 3]) -> Self {
+        let first = interfaces.crossings().len();
+        let between = neighbours(interfaces).into_iter().zip(0..);
+        let threes: Vec<[u32; 3]> = between
+            .filter(|([before, after], _)| *before != NONE && *after != NONE)
+            .map(|([before, after], own)| [before, own, after])
+            .collect();
+        let row = |three: &[u32; 3]| {
+            let unknown = |n: usize| (first + 2 * three[n / 2] as usize + n % 2) as u32;
+            let unknowns = std::array::from_fn(unknown);
+            Row { unknowns, residual: [0.0; 3], slopes: [[0.0; UNKNOWNS]; 3] }
+        };
+        let rows = threes.iter().map(row).collect();
+        Self { junctions: interfaces.junctions(), threes, spacing, first, rows }
     }
 
-    fn place(&self, junction: usize, x: &[f64]) -> [f64; 3] {
-        let mut place = self.corners[junction];
-        for (which, axis) in self.axes[junction].into_iter().enumerate() {
-            place[axis] += x[self.first + 2 * junction + which] * self.spacing[axis];
+    fn place<R: Real>(&self, junction: u32, x: &[R]) -> [f64; 3] {
+        let Junction { low, normal } = self.junctions[junction as usize];
+        let mut place = low.map(f64::from);
+        for (which, axis) in across(normal.into()).into_iter().enumerate() {
+            place[axis] += x[self.first + 2 * junction as usize + which].to_f64();
         }
-        place
-    }
-
-    /// The junctions of a row: the one before, its own and the next.
-    fn of_row(&self, junction: usize) -> Option<[usize; 3]> {
-        let [before, after] = self.beside[junction];
-        (before != NONE && after != NONE).then_some([before as usize, junction, after as usize])
+        [0, 1, 2].map(|axis| place[axis] * self.spacing[axis])
     }
 
     /// Takes the state `x`. Returns the energy.
-    pub(super) fn linearise(&mut self, x: &[f64]) -> f64 {
+    pub(super) fn linearise<R: Real>(&mut self, x: &[R]) -> f64 {
         let mut rows = std::mem::take(&mut self.rows);
-        let energy = parallel::update_sum(&mut rows, |junction, row| {
-            *row = Row::default();
-            let Some(three) = self.of_row(junction) else { return 0.0 };
+        let energy = parallel::update_sum(&mut rows, |n, row| {
+            let three = self.threes[n];
             let [a, b, c] = three.map(|junction| self.place(junction, x));
-            let chord = |from: [f64; 3], to: [f64; 3]| [0, 1, 2].map(|k| to[k] - from[k]);
-            let (before, after) = (chord(a, b), chord(b, c));
-            let length = |v: [f64; 3]| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + 1e-12).sqrt();
-            let (l0, l1) = (length(before), length(after));
+            let (before, after) = (subtract(b, a), subtract(c, b));
+            let (l0, l1) = (length(before).max(1e-6), length(after).max(1e-6));
             let shorter = l0.min(l1).powi(2);
-            let root = (2.0 * WEIGHT / (l0 + l1) * shorter / (shorter + SHORT)).sqrt();
+            let root = (4.0 * WEIGHT / (l0 + l1) * shorter / (shorter + SHORT)).sqrt();
             let residual = [0, 1, 2].map(|k| root * (after[k] / l1 - before[k] / l0));
             row.residual = residual.map(|r| r as f32);
-            row.factors = [root / l0, -root / l0 - root / l1, root / l1].map(|f| f as f32);
-            residual.iter().map(|r| r * r).sum()
+            let factors = [root / l0, -root / l0 - root / l1, root / l1];
+            for (n, factor) in factors.into_iter().enumerate() {
+                let axes = self.junctions[three[n] as usize].axes();
+                for (which, axis) in axes.into_iter().enumerate() {
+                    row.slopes[axis][2 * n + which] = (factor * self.spacing[axis]) as f32;
+                }
+            }
+            0.5 * residual.iter().map(|r| r * r).sum::<f64>()
         });
         self.rows = rows;
         energy
-    }
-
-    /// Calls `f` with every row that depends on an unknown, the number of the residual, and the
-    /// derivative.
-    #[inline]
-    fn for_each_derivative(&self, unknown: usize, mut f: impl FnMut(usize, usize, f32)) {
-        let Some(number) = unknown.checked_sub(self.first) else { return };
-        let (junction, axis) = (number / 2, self.axes[number / 2][number % 2]);
-        let step = self.spacing[axis] as f32;
-        f(junction, axis, step * self.rows[junction].factors[1]);
-        for near in self.beside[junction].into_iter().filter(|&near| near != NONE) {
-            let near = near as usize;
-            let slot = if self.beside[near][0] as usize == junction { 0 } else { 2 };
-            f(near, axis, step * self.rows[near].factors[slot]);
-        }
-    }
-
-    /// Half the slope and half the curvature of the energy along an unknown.
-    pub(super) fn slopes(&self, unknown: usize) -> [f32; 2] {
-        let mut sums = [0.0; 2];
-        self.for_each_derivative(unknown, |row, axis, derivative| {
-            sums[0] += derivative * self.rows[row].residual[axis];
-            sums[1] += derivative * derivative;
-        });
-        sums
-    }
-
-    /// Takes a direction.
-    pub(super) fn multiply(&mut self, direction: &[f32]) {
-        let mut products = std::mem::take(&mut self.products);
-        parallel::update(&mut products, |junction, product| {
-            *product = [0.0; 3];
-            let Some(three) = self.of_row(junction) else { return };
-            for (near, factor) in three.into_iter().zip(self.rows[junction].factors) {
-                for (which, axis) in self.axes[near].into_iter().enumerate() {
-                    let step = direction[self.first + 2 * near + which];
-                    product[axis] += factor * self.spacing[axis] as f32 * step;
-                }
-            }
-        });
-        self.products = products;
-    }
-
-    /// The image of the direction at an unknown.
-    pub(super) fn image(&self, unknown: usize) -> f32 {
-        let mut sum = 0.0;
-        self.for_each_derivative(unknown, |row, axis, derivative| {
-            sum += derivative * self.products[row][axis];
-        });
-        sum
     }
 }
 

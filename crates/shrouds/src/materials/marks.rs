@@ -64,6 +64,14 @@ impl Marks {
         self.before[word] + rank(self.bits[word], (i % 64) as u32)
     }
 
+    /// The number of a place if it is marked.
+    #[inline]
+    pub(super) fn number_if_marked(&self, axis: usize, place: [usize; 3]) -> Option<u32> {
+        let [i, j, k] = place;
+        let is_marked = self.row(axis, j, k)[i / 64] >> (i % 64) & 1 == 1;
+        is_marked.then(|| self.number(axis, place))
+    }
+
     /// All marked places in order, with their axes.
     pub(super) fn places<T: Send + Clone + Default>(
         &self,

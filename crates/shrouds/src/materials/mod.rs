@@ -12,20 +12,21 @@
 //! Uses: everything above it in the flow.
 
 mod cell;
+mod ends;
 mod face;
 mod interfaces;
 mod labels;
 mod lines;
 mod marks;
 mod mesh;
-mod model;
 mod network;
 mod newton;
 mod optimize;
-mod problem;
+mod rows;
 mod shrouds;
 mod span;
 mod start;
+mod window;
 
 pub use interfaces::{Interfaces, Junction};
 pub use labels::Labels;

@@ -1,152 +1,132 @@
 //! The planar curves of all interfaces, which begin and end at junctions.
 
-use crate::materials::interfaces::{Interfaces, across};
+use crate::materials::interfaces::Interfaces;
+use crate::network::{Links, Network, Step};
 use crate::parallel;
 
-/// A place is where a planar curve passes a crossing: crossing `v` has place `2·v` in the plane normal
-/// to the axis after its own, and place `2·v + 1` in the plane normal to the one after that. Curves run
-/// with the first label of the pair on their right.
+/// The curves through all crossings, as those of a binary volume, and what is at their ends.
+///
+/// The unknowns are those of the crossings, then two for each junction.
 #[derive(Debug)]
-pub(super) struct Network {
-    /// What stands before and after each place on its curve: another place, or with the bit
-    /// [`JUNCTION`] a junction.
-    pub(super) beside: Vec<[u32; 2]>,
-    /// Where junctions stand in the stencils of places, place by place.
-    pub(super) touches: Vec<Touch>,
-    /// The numbers of the touches of every junction follow each other from here on.
-    starts: Vec<u32>,
-    by_junction: Vec<u32>,
-    crossings: usize,
+pub(super) struct Curves {
+    /// The curves through crossings alone. The unknowns of junctions lie on none.
+    pub(super) network: Network,
+    /// The first and the last end of every curve that has ends, curve by curve.
+    pub(super) ends: Vec<[End; 2]>,
+    pub(super) crossings: usize,
+    pub(super) junctions: usize,
 }
 
-/// The bit that tells a junction from a place.
-pub(super) const JUNCTION: u32 = 1 << 31;
-
-/// A junction as number `slot` of the four points of a place's stencil: the one before it, its own, the
-/// next and the one after that.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Touch {
-    pub(super) junction: u32,
+/// An end of a curve.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct End {
+    /// The first or last place of the curve.
     pub(super) place: u32,
-    pub(super) slot: u8,
+    /// Whether it is the last, from where the curve leads to the junction.
+    is_last: bool,
+    pub(super) junction: u32,
+    /// From where the grid edge of the place starts to the lowest corner of the junction's face, in the
+    /// plane.
+    pub(super) shift: [i32; 2],
 }
 
-/// The axis normal to the plane of a place.
-#[inline]
-pub(super) fn normal(axis: usize, place: usize) -> usize {
-    across(axis)[place % 2]
-}
+/// Where the edges of a face start, from its lowest corner. Those with odd numbers run along the second
+/// axis.
+const STARTS: [[i32; 2]; 4] = [[0, 0], [1, 0], [0, 1], [0, 0]];
 
-impl Network {
+impl Curves {
     pub(super) fn trace(interfaces: &Interfaces) -> Self {
-        let crossings = interfaces.crossings();
-        let count = crossings.len();
-        let mut beside = vec![[0; 2]; 2 * count];
-        parallel::fill(&mut beside, |place| {
-            let crossing = crossings[place / 2];
-            let normal = normal(crossing.axis(), place);
-            interfaces.neighbours(crossing, normal).map(|point| {
-                let point = point as usize;
-                match crossings.get(point) {
-                    Some(next) => {
-                        (2 * point + usize::from(across(next.axis())[1] == normal)) as u32
-                    }
-                    None => (point - count) as u32 | JUNCTION,
-                }
-            })
-        });
-        let mut network = Self {
-            beside,
-            touches: Vec::new(),
-            starts: vec![0; interfaces.junctions().len() + 1],
-            by_junction: Vec::new(),
-            crossings: count,
-        };
-        network.find_touches();
-        network
+        let crossings = interfaces.crossings().len();
+        let junctions = interfaces.junctions().len();
+        let families = parallel::blocks(3, 1, |family| Family::trace(interfaces, family.start));
+        let (links, ends): (Vec<_>, Vec<_>) =
+            families.into_iter().map(|family| (family.links, family.ends)).unzip();
+        let network = Network::of_links(links, 2 * junctions);
+        let mut found = Vec::new();
+        for (normal, ends) in ends.into_iter().enumerate() {
+            found.extend(ends.into_iter().map(|end| {
+                let axis = interfaces.crossings()[end.place as usize].axis();
+                let place = network.place(end.place, (normal + 2 - axis) % 3) as u32;
+                End { place, ..end }
+            }));
+        }
+        found.sort_unstable();
+        let ends = found.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect();
+        Self { network, ends, crossings, junctions }
     }
 
-    fn find_touches(&mut self) {
-        for place in 0..self.beside.len() {
-            for (slot, point) in self.stencil(place).into_iter().enumerate() {
-                if point & JUNCTION != 0 {
-                    let touch = Touch {
-                        junction: point & !JUNCTION,
-                        place: place as u32,
-                        slot: slot as u8,
-                    };
-                    self.starts[touch.junction as usize + 1] += 1;
-                    self.touches.push(touch);
+    /// The first unknown of a junction.
+    #[inline]
+    pub(super) fn unknown(&self, junction: u32) -> usize {
+        self.crossings + 2 * junction as usize
+    }
+
+    pub(super) fn unknown_count(&self) -> usize {
+        self.crossings + 2 * self.junctions
+    }
+
+    /// Puts each junction to the mean of the crossings around it.
+    pub(super) fn place_junctions(&self, bounds: [f64; 2], x: &mut [f32]) {
+        let mut sums = vec![[0.0; 3]; self.junctions];
+        for end in self.ends.as_flattened() {
+            let place = end.place as usize;
+            let own = usize::from(self.network.steps()[place].runs_second());
+            let sum = &mut sums[end.junction as usize];
+            for (axis, shift) in end.shift.into_iter().enumerate() {
+                sum[axis] -= shift as f32;
+            }
+            sum[own] += x[self.network.vertices()[place] as usize];
+            sum[2] += 1.0;
+        }
+        let [low, high] = bounds.map(|bound| bound as f32);
+        for (place, [u, v, count]) in x[self.crossings..].chunks_exact_mut(2).zip(sums) {
+            place.copy_from_slice(&[u, v].map(|sum| (sum / count).clamp(low, high)));
+        }
+    }
+}
+
+/// What follows what in the planes normal to one axis.
+struct Family {
+    links: Links,
+    /// With the numbers of crossings in place of places.
+    ends: Vec<End>,
+}
+
+impl Family {
+    /// Curves run with the first label of their pair on the right, seen from the high side.
+    fn trace(interfaces: &Interfaces, normal: usize) -> Self {
+        let crossings = interfaces.crossings();
+        let mut family = Self { links: Links::none(crossings, normal), ends: Vec::new() };
+        interfaces.for_each_face(normal, |low, crossed| {
+            let crossing = |edge| interfaces.face_crossing(normal, low, edge);
+            // Corner `edge + 1` is on the right of what enters the face by the edge; of edges 0 and 1 it
+            // is the high end.
+            let enters =
+                |edge: usize| crossings[crossing(edge) as usize].inside_low() == (edge >= 2);
+            let of_face = (0..4).filter(|edge| crossed >> edge & 1 == 1);
+            if crossed.count_ones() == 2 {
+                let [a, b] = [crossed.trailing_zeros(), 7 - crossed.leading_zeros()];
+                let [a, b] = [a as usize, b as usize];
+                let [from, to] = if enters(a) { [a, b] } else { [b, a] };
+                family.join(normal, [from, to], [from, to].map(crossing));
+            } else if let Some(junction) = interfaces.junction_on(normal, low) {
+                family.ends.extend(of_face.map(|edge| End {
+                    place: crossing(edge),
+                    is_last: enters(edge),
+                    junction,
+                    shift: STARTS[edge].map(|shift| -shift),
+                }));
+            } else {
+                for segment in interfaces.segments_on(normal, low) {
+                    family.join(normal, segment.ends, segment.ends.map(crossing));
                 }
             }
-        }
-        let mut sum = 0;
-        for start in &mut self.starts {
-            sum += *start;
-            *start = sum;
-        }
-        self.by_junction = (0..self.touches.len() as u32).collect();
-        self.by_junction.sort_by_key(|&n| self.touches[n as usize].junction);
+        });
+        family
     }
 
-    /// The places or junctions of the stencil of a place. One whose next point is a junction has no
-    /// fourth point; the third stands for it.
-    #[inline]
-    pub(super) fn stencil(&self, place: usize) -> [u32; 4] {
-        let [before, after] = self.beside[place];
-        let last = if after & JUNCTION == 0 { self.beside[after as usize][1] } else { after };
-        [before, place as u32, after, last]
-    }
-
-    /// Whether the stencil of a place has its fourth point.
-    #[inline]
-    pub(super) fn has_fourth(&self, place: usize) -> bool {
-        self.beside[place][1] & JUNCTION == 0
-    }
-
-    /// The places whose stencils a place stands in, with the number of its point there: its own, the one
-    /// before, the one after, and the one before the one before.
-    #[inline]
-    pub(super) fn stencils_of(&self, place: usize) -> [Option<(usize, usize)>; 4] {
-        let [before, after] = self.beside[place];
-        let is_place = |point: u32| point & JUNCTION == 0;
-        let mut found = [Some((place, 1)), None, None, None];
-        if is_place(before) {
-            found[1] = Some((before as usize, 2));
-            let first = self.beside[before as usize][0];
-            found[3] = is_place(first).then_some((first as usize, 3));
-        }
-        if is_place(after) {
-            found[2] = Some((after as usize, 0));
-        }
-        found
-    }
-
-    /// The numbers of the touches of a junction.
-    pub(super) fn touches_of(&self, junction: usize) -> &[u32] {
-        &self.by_junction[self.starts[junction] as usize..self.starts[junction + 1] as usize]
-    }
-
-    pub(super) fn crossing_count(&self) -> usize {
-        self.crossings
-    }
-
-    pub(super) fn junction_count(&self) -> usize {
-        self.starts.len() - 1
-    }
-
-    /// The number of unknowns: one for each crossing, two for each junction.
-    pub(super) fn unknown_count(&self) -> usize {
-        self.crossings + 2 * self.junction_count()
-    }
-
-    /// The first or only unknown of a place's crossing or of a junction.
-    #[inline]
-    pub(super) fn unknown(&self, point: u32) -> usize {
-        if point & JUNCTION == 0 {
-            point as usize / 2
-        } else {
-            self.crossings + 2 * (point & !JUNCTION) as usize
-        }
+    fn join(&mut self, normal: usize, [from, to]: [usize; 2], crossings: [u32; 2]) {
+        let shift = [0, 1].map(|axis| STARTS[to][axis] - STARTS[from][axis]);
+        self.links.join(crossings, Step::new(normal, from % 2 == 1, shift));
     }
 }

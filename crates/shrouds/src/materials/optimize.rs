@@ -1,16 +1,13 @@
 //! From interfaces to the unknowns that minimise the energy.
 
-use std::sync::Arc;
-
-use crate::energy::{Bending, CurveEnergy, Variation};
+use crate::energy::{Bending, CurveEnergy, Energy, Variation};
 use crate::error::Error;
 use crate::materials::Settings;
 use crate::materials::interfaces::Interfaces;
-use crate::materials::network::Network;
-use crate::materials::newton::{Effort, Newton, place_junctions};
-use crate::materials::problem::Problem;
+use crate::materials::network::Curves;
+use crate::materials::newton::Newton;
 use crate::materials::start;
-use crate::optimize::{Preset, Status};
+use crate::optimize::{Conditions, Effort, Preset, Problem, Real, Status};
 
 /// Where the points of interfaces are, and how they got there.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -41,7 +38,8 @@ impl Report {
 }
 
 const fn effort(iterations: usize, reduction: f64) -> Effort {
-    Effort { iterations, reduction }
+    let parts = &[1.0, 0.3, 0.1, 0.0];
+    Effort { iterations, reduction, parts, repairs: true, converges: false }
 }
 
 const FAST: &[&[Effort]] = &[&[effort(20, 1e-3)]];
@@ -58,64 +56,119 @@ const PREPARATION: usize = 5;
 pub(super) fn optimize(interfaces: &Interfaces, settings: &Settings) -> Result<Optimum, Error> {
     settings.validate()?;
     let bounds = [settings.margin, 1.0 - settings.margin];
-    let network = Network::trace(interfaces);
+    let curves = Curves::trace(interfaces);
     let mut x = start::positions(interfaces, &settings.start, bounds);
-    x.resize(network.unknown_count(), 0.5);
-    let mut solver = Solver {
-        interfaces,
-        network: &network,
-        settings,
-        newton: Newton::new(interfaces, &network, bounds),
-        report: Report::default(),
-    };
-    place_junctions(&solver.problem(Arc::new(Bending)), bounds, &mut x);
-    if !x.is_empty() {
-        solver.solve(&mut x);
+    if x.is_empty() {
+        return Ok(Optimum::default());
     }
-    let slopes = solver.problem(Arc::new(Bending)).slopes(&x);
-    Ok(Optimum { slopes, report: solver.report, unknowns: x })
+    x.resize(curves.unknown_count(), 0.5);
+    curves.place_junctions(bounds, &mut x);
+    let solver = Solver::new(interfaces, &curves, settings);
+    Ok(match settings.preset {
+        Preset::Fast => solver.make(FAST, x),
+        Preset::Default => solver.make(DEFAULT, x),
+        Preset::Exact => solver.converge(&x),
+    })
 }
 
 struct Solver<'a> {
     interfaces: &'a Interfaces,
-    network: &'a Network,
+    curves: &'a Curves,
     settings: &'a Settings,
-    newton: Newton,
-    report: Report,
+    bounds: [f64; 2],
+    /// In units of the smallest.
+    spacing: [f64; 3],
+    /// No crossing is known to lie on a flat face along the grid.
+    flatness: Vec<f32>,
 }
 
 impl<'a> Solver<'a> {
-    fn problem(&self, measure: Arc<dyn CurveEnergy>) -> Problem<'a> {
-        Problem::new(self.interfaces, self.network, measure)
+    fn new(interfaces: &'a Interfaces, curves: &'a Curves, settings: &'a Settings) -> Self {
+        let unit = interfaces.grid().min_spacing();
+        Self {
+            interfaces,
+            curves,
+            settings,
+            bounds: [settings.margin, 1.0 - settings.margin],
+            spacing: interfaces.grid().spacing().map(|spacing| spacing / unit),
+            flatness: vec![0.0; curves.unknown_count()],
+        }
     }
 
-    fn solve(&mut self, x: &mut Vec<f64>) {
-        self.report.status = Status::Preset;
-        match self.settings.preset {
-            Preset::Fast => self.make(FAST, x),
-            Preset::Default => self.make(DEFAULT, x),
-            Preset::Exact => {
-                self.converge(Arc::new(Bending), PREPARATION, x);
-                let most = self.settings.max_iterations.div_ceil(PASS.len());
-                self.report.status = self.converge(Arc::new(Variation), most, x);
+    fn conditions<'b>(&'b self, energy: &'b Energy) -> Conditions<'b> {
+        Conditions {
+            energy,
+            spacing: self.spacing,
+            bounds: self.bounds,
+            intervals: &[],
+            flatness: &self.flatness,
+            creases: None,
+            mean_energy: None,
+            forces: None,
+        }
+    }
+
+    /// Makes some passes with bending and no more.
+    fn make(&self, passes: &[&[Effort]], mut x: Vec<f32>) -> Optimum {
+        let mut optimum = Optimum::default();
+        self.stage(&Bending, &Bending.into(), &mut x, |work, x| {
+            for efforts in passes {
+                work.pass(efforts, x);
             }
-        }
+            work.finish(Status::Preset, x, &mut optimum);
+        });
+        optimum
     }
 
-    fn make(&mut self, passes: &[&[Effort]], x: &mut Vec<f64>) {
-        let mut problem = self.problem(Arc::new(Bending));
-        for efforts in passes {
-            self.pass(&mut problem, efforts, x);
-        }
+    /// Makes passes until they find next to nothing to do, with bending and then with variation.
+    fn converge(&self, x: &[f32]) -> Optimum {
+        // In double precision the bounds are nearer to their value.
+        let [low, high] = self.bounds;
+        let mut x: Vec<f64> = x.iter().map(|&x| f64::from(x).clamp(low, high)).collect();
+        let mut optimum = Optimum::default();
+        let most = self.settings.max_iterations.div_ceil(PASS.len());
+        self.stage(&Bending, &Bending.into(), &mut x, |work, x| {
+            let status = work.converge(PREPARATION, x);
+            work.finish(status, x, &mut optimum);
+        });
+        self.stage(&Variation, &Variation.into(), &mut x, |work, x| {
+            let status = work.converge(most, x);
+            work.finish(status, x, &mut optimum);
+        });
+        optimum
     }
 
+    /// Works with one measure.
+    fn stage<R: Real>(
+        &self,
+        measure: &dyn CurveEnergy,
+        energy: &Energy,
+        x: &mut Vec<R>,
+        work: impl FnOnce(&mut Work<R>, &mut Vec<R>),
+    ) {
+        let problem = Problem::new(&self.curves.network, &self.conditions(energy), <[f32]>::to_vec);
+        let newton = Newton::new(self.interfaces, self.curves, measure, self.spacing);
+        let tolerance = self.settings.tolerance;
+        work(&mut Work { problem, newton, tolerance, passes: Vec::new() }, x);
+    }
+}
+
+/// The work with one measure.
+struct Work<'a, R> {
+    problem: Problem<'a, R>,
+    newton: Newton<'a, R>,
+    tolerance: f64,
+    /// See [`Report`].
+    passes: Vec<Vec<f64>>,
+}
+
+impl<R: Real> Work<'_, R> {
     /// Makes passes until the first step of one is next to nothing.
-    fn converge(&mut self, measure: Arc<dyn CurveEnergy>, most: usize, x: &mut Vec<f64>) -> Status {
-        let mut problem = self.problem(measure);
+    fn converge(&mut self, most: usize, x: &mut Vec<R>) -> Status {
         for _ in 0..most {
-            match self.pass(&mut problem, PASS, x) {
+            match self.pass(PASS, x) {
                 None => return Status::Stalled,
-                Some(moved) if moved <= self.settings.tolerance => return Status::Converged,
+                Some(moved) if moved <= self.tolerance => return Status::Converged,
                 Some(_) => {}
             }
         }
@@ -124,21 +177,27 @@ impl<'a> Solver<'a> {
 
     /// Freezes weights and barrier and makes steps. Returns how far the first one moved the points,
     /// their root mean square; nothing if there was none.
-    fn pass(&mut self, problem: &mut Problem, efforts: &[Effort], x: &mut Vec<f64>) -> Option<f64> {
-        problem.freeze(x);
-        self.newton.model.linearise(problem, x);
-        let mut energy = self.newton.model.set_barrier(problem, x);
+    fn pass(&mut self, efforts: &[Effort], x: &mut Vec<R>) -> Option<f64> {
+        let mut energy = self.newton.freeze(&mut self.problem, x);
         let (mut energies, mut first) = (vec![energy], None);
         for effort in efforts {
-            let Some(step) = self.newton.step(problem, x, energy, effort) else { break };
+            let Some(step) = self.newton.step(&self.problem, x, energy, effort) else { break };
             energy = step.energy;
             energies.push(energy);
             first = first.or(Some(step.moved));
-            if step.moved <= self.settings.tolerance {
+            if step.moved <= self.tolerance {
                 break;
             }
         }
-        self.report.passes.push(energies);
+        self.passes.push(energies);
         first
+    }
+
+    fn finish(&mut self, status: Status, x: &[R], optimum: &mut Optimum) {
+        optimum.slopes = self.newton.slopes(&self.problem, x);
+        let [low, high] = self.problem.bounds.all.map(R::to_f64);
+        optimum.unknowns = x.iter().map(|x| x.to_f64().clamp(low, high)).collect();
+        optimum.report.status = status;
+        optimum.report.passes.append(&mut self.passes);
     }
 }

@@ -16,6 +16,7 @@ mod trace;
 
 pub(crate) use step::Step;
 pub use theorem::TheoremReport;
+pub(crate) use trace::Links;
 
 use std::ops::Range;
 

@@ -23,7 +23,7 @@ const LINKED: u8 = 1 << 5;
 impl Step {
     /// The step from a grid edge that runs along the second axis of its plane, or not, to one that
     /// starts `shift` away.
-    pub(super) fn new(normal: usize, runs_second: bool, shift: [i32; 2]) -> Self {
+    pub(crate) fn new(normal: usize, runs_second: bool, shift: [i32; 2]) -> Self {
         let [u, v] = shift.map(|s| (s + 1) as u8);
         Self(u8::from(runs_second) | u << 1 | v << 3 | LINKED | (normal as u8) << 6)
     }

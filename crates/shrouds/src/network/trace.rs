@@ -3,7 +3,7 @@
 use crate::gather::Indices;
 use crate::network::{Network, REPEATED, Step};
 use crate::parallel;
-use crate::surface::Surface;
+use crate::surface::{Crossing, Surface};
 use crate::volume::Border;
 
 /// Marks the end of a curve, or a place already walked over.
@@ -12,13 +12,33 @@ const NONE: u32 = u32::MAX;
 impl Network {
     /// Joins the segments of the surface on the lattice faces to planar curves.
     pub fn trace(surface: &Surface) -> Self {
-        let mut families = parallel::blocks(3, 1, |family| Family::trace(surface, family.start));
+        let has_ends = surface.border() == Border::Open;
+        let families = parallel::blocks(3, 1, |family| {
+            Family::trace(&mut Links::find(surface, family.start), has_ends)
+        });
+        Self::join(families, surface.vertex_count(), 0)
+    }
+
+    /// Joins what follows each vertex in the planes normal to x, y and z to curves, some of which have
+    /// ends. Behind the vertices on curves there are some more that lie on none.
+    pub(crate) fn of_links(mut links: Vec<Links>, alone: usize) -> Self {
+        let count = links[0].next.len();
+        let families = parallel::pieces(&mut links, 1..=3, |_, links| {
+            links.iter_mut().map(|links| Family::trace(links, true)).collect::<Vec<_>>()
+        });
+        Self::join(families.into_iter().flatten().collect(), count, alone)
+    }
+
+    /// Stores the curves of all families one after another.
+    fn join(mut families: Vec<Family>, count: usize, alone: usize) -> Self {
+        if alone > 0 {
+            families.push(Family::of_one(count as u32));
+        }
         let sum = |count: fn(&Family) -> usize| families.iter().map(count).sum::<usize>();
-        let count = surface.vertex_count();
         let mut vertices = Vec::with_capacity(sum(|f| f.vertices.len()));
         let mut steps = Vec::with_capacity(vertices.capacity());
         let mut starts = Vec::with_capacity(sum(|f| f.starts.len()) + 1);
-        let mut places = vec![[0; 2]; count];
+        let mut places = vec![[0; 2]; count + alone.min(1)];
         for family in &mut families {
             let before = vertices.len() as u32;
             starts.extend(family.starts.iter().map(|start| before + start));
@@ -33,8 +53,12 @@ impl Network {
                 places[v as usize][steps[place].curve()] = place as u32;
             }
         }
+        // What lies on no curve shares the place of one that is a curve by itself.
+        let last = vertices.len().saturating_sub(REPEATED + 1) as u32;
+        places.truncate(count);
+        places.resize(count + alone, [last; 2]);
         let places = Indices::new(places, vertices.len());
-        Self { vertices: Indices::new(vertices, count), steps, places, starts }
+        Self { vertices: Indices::new(vertices, count + alone), steps, places, starts }
     }
 }
 
@@ -47,32 +71,38 @@ struct Family {
 }
 
 /// Where the curves of a family go from every vertex.
-struct Links {
+pub(crate) struct Links {
     next: Vec<u32>,
     steps: Vec<Step>,
 }
 
 impl Family {
-    fn trace(surface: &Surface, normal: usize) -> Self {
-        let mut links = Links::find(surface, normal);
+    fn trace(links: &mut Links, has_ends: bool) -> Self {
         // Room for every vertex: memory that is not touched costs nothing.
-        let count = surface.vertex_count();
+        let count = links.next.len();
         let mut family = Self {
             vertices: Vec::with_capacity(count),
             steps: Vec::with_capacity(count),
             starts: Vec::new(),
         };
-        if surface.border() == Border::Open {
+        if has_ends {
             for start in links.open_ends() {
-                family.walk(&mut links, start);
+                family.walk(links, start);
             }
         }
         for start in 0..links.next.len() as u32 {
             if links.next[start as usize] != NONE {
-                family.walk(&mut links, start);
+                family.walk(links, start);
             }
         }
         family
+    }
+
+    /// A single vertex that nothing follows.
+    fn of_one(vertex: u32) -> Self {
+        let count = 2 * REPEATED + 1;
+        let steps = vec![Step::alone(0, false); count];
+        Self { vertices: vec![[vertex]; count], steps, starts: vec![REPEATED as u32] }
     }
 
     /// Appends the curve from a vertex on and cuts the links it follows.
@@ -113,6 +143,21 @@ impl Family {
 }
 
 impl Links {
+    /// Of crossings that nothing follows in the planes normal to an axis.
+    pub(crate) fn none(crossings: &[Crossing], normal: usize) -> Self {
+        let step = |crossing: &Crossing| match crossing.axis() {
+            axis if axis == normal => Step::default(),
+            axis => Step::last(normal, axis == (normal + 2) % 3),
+        };
+        Self { next: vec![NONE; crossings.len()], steps: crossings.iter().map(step).collect() }
+    }
+
+    /// Lets a vertex follow another one, whose place goes on by this step.
+    pub(crate) fn join(&mut self, [from, to]: [u32; 2], step: Step) {
+        self.next[from as usize] = to;
+        self.steps[from as usize] = step;
+    }
+
     fn find(surface: &Surface, normal: usize) -> Self {
         let count = surface.vertex_count();
         let mut links = Self { next: vec![NONE; count], steps: vec![Step::default(); count] };

@@ -1,5 +1,7 @@
 //! The energy as a function of the position of one vertex.
 
+use std::ops::Add;
+
 use crate::energy::{LANES, Lanes, Stencil};
 use crate::optimize::barrier::Barrier;
 use crate::optimize::problem::{Problem, WeightedPart};
@@ -14,7 +16,7 @@ const REACH: usize = 3;
 const PLACES: usize = 2 * REACH + 1;
 
 /// The part of the energy that depends on one vertex.
-pub(super) struct Around<'a, R> {
+pub(crate) struct Around<'a, R> {
     parts: &'a [WeightedPart<'a, R>],
     barrier: &'a Barrier,
     vertex: usize,
@@ -26,15 +28,26 @@ pub(super) struct Around<'a, R> {
 
 /// A function of one position to second order.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Univariate {
-    pub(super) value: f64,
-    pub(super) slope: f64,
-    pub(super) curvature: f64,
+pub(crate) struct Univariate {
+    pub(crate) value: f64,
+    pub(crate) slope: f64,
+    pub(crate) curvature: f64,
+}
+
+impl Add for Univariate {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self {
+            value: self.value + other.value,
+            slope: self.slope + other.slope,
+            curvature: self.curvature + other.curvature,
+        }
+    }
 }
 
 impl<R: Real> Around<'_, R> {
     /// Value, slope and Gauss–Newton curvature with the vertex at `x`.
-    pub(super) fn at(&mut self, x: R) -> Univariate {
+    pub(crate) fn at(&mut self, x: R) -> Univariate {
         let Stencil { points, moves } = &mut self.stencils;
         for lane in CURVES {
             for n in 0..TERMS {
@@ -87,7 +100,7 @@ impl<R: Real> WeightedPart<'_, R> {
 
 impl<R: Real> Problem<'_, R> {
     /// The energy as a function of the position of vertex `v` alone.
-    pub(super) fn around(&self, x: &[R], v: u32) -> Around<'_, R> {
+    pub(crate) fn around(&self, x: &[R], v: u32) -> Around<'_, R> {
         let zeros = [[[R::default(); LANES]; 2]; 4];
         let mut stencils = Stencil { points: zeros, moves: zeros };
         let places = [0, 1].map(|c| self.network.place(v, c));

@@ -19,7 +19,7 @@ const ON_FLAT_FACES: f64 = 1.5;
 /// part as far as it can: around parts about one voxel thin, which curve strongly, and on flat faces
 /// along the grid, whose borders do. Where a vertex is known to lie in an interval, that takes the place
 /// of its grid edge: the rougher the shape, the nearer to the middle it stays.
-pub(super) struct Barrier {
+pub(crate) struct Barrier {
     strengths: Vec<f32>,
     is_set: bool,
     /// By vertex; empty if all have the whole grid edge.
@@ -103,7 +103,7 @@ impl Barrier {
         self.is_set || !self.forces.is_empty()
     }
 
-    pub(super) fn value(&self, v: usize, x: f64) -> f64 {
+    pub(crate) fn value(&self, v: usize, x: f64) -> f64 {
         let work = match self.forces.get(v) {
             Some(&force) => f64::from(force) * (x - self.anchors[v]),
             None => 0.0,

@@ -6,8 +6,8 @@ use crate::optimize::settings::Settings;
 use crate::surface::Surface;
 
 /// The bounds of all vertices, and narrower ones of each where the caller gives some.
-pub(super) struct Bounds<R> {
-    pub(super) all: [R; 2],
+pub(crate) struct Bounds<R> {
+    pub(crate) all: [R; 2],
     /// The same in double precision.
     exact: [f64; 2],
     /// By vertex; empty if there are none.

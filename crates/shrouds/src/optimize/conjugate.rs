@@ -7,13 +7,13 @@ use crate::optimize::real::Real;
 use crate::parallel::{self, NONE};
 
 /// Room that the positions have for one step.
-pub(super) struct Room<'a, R> {
-    pub(super) x: &'a [R],
-    pub(super) bounds: &'a Bounds<R>,
+pub(crate) struct Room<'a, R> {
+    pub(crate) x: &'a [R],
+    pub(crate) bounds: &'a Bounds<R>,
     /// The largest part of the way to a bound that a step may cover.
-    pub(super) part: f32,
+    pub(crate) part: f32,
     /// Whether a vertex must stay where it is.
-    pub(super) is_fixed: &'a [bool],
+    pub(crate) is_fixed: &'a [bool],
 }
 
 impl<R: Real> Room<'_, R> {
@@ -32,22 +32,22 @@ impl<R: Real> Room<'_, R> {
 
 /// Effort spent on one step.
 #[derive(Clone, Copy)]
-pub(super) struct Effort {
+pub(crate) struct Effort {
     /// The most iterations.
-    pub(super) iterations: usize,
+    pub(crate) iterations: usize,
     /// Stop when the preconditioned residual has fallen to this part of its first norm.
-    pub(super) reduction: f64,
+    pub(crate) reduction: f64,
     /// Parts of the step that are tried until one lowers the energy.
-    pub(super) parts: &'static [f64],
+    pub(crate) parts: &'static [f64],
     /// Whether vertices with short chords or sharp turns are moved alone afterwards.
-    pub(super) repairs: bool,
+    pub(crate) repairs: bool,
     /// Whether the step is one of many that go on until they converge.
-    pub(super) converges: bool,
+    pub(crate) converges: bool,
 }
 
 /// Working vectors, kept between steps. In single precision, which halves the memory that every
 /// iteration moves; the gradient of the next step makes up for it.
-pub(super) struct Workspace {
+pub(crate) struct Workspace {
     step: Vec<f32>,
     residual: Vec<f32>,
     direction: Vec<f32>,
@@ -59,11 +59,14 @@ pub(super) struct Workspace {
     place_images: Vec<f32>,
 }
 
+/// See [`Workspace::solve`].
+pub(crate) type Further<'a> = dyn Fn(&[f32], &mut [f32]) -> f64 + 'a;
+
 /// Partial sums kept side by side.
 const SUMS: usize = 8;
 
 impl Workspace {
-    pub(super) fn new(network: &Network) -> Self {
+    pub(crate) fn new(network: &Network) -> Self {
         let zeros = || vec![0.0; network.vertex_count()];
         Self {
             step: zeros(),
@@ -76,22 +79,24 @@ impl Workspace {
     }
 
     /// The steps of all vertices that the last call of [`Workspace::solve`] found.
-    pub(super) fn steps(&self) -> &[f32] {
+    pub(crate) fn steps(&self) -> &[f32] {
         &self.step
     }
 
-    /// Minimises the model over all steps, approximately, and cuts the step to the room.
-    pub(super) fn solve<R: Real>(
+    /// Minimises the model over all steps, approximately, and cuts the step to the room. `further` adds
+    /// to an image what couples unknowns beyond the curves, and returns its product with the direction.
+    pub(crate) fn solve<R: Real>(
         &mut self,
         model: &Model<R>,
         network: &Network,
         room: &Room<R>,
         effort: &Effort,
+        further: &Further,
     ) {
         let norm = self.start(model, room);
         let goal = norm * effort.reduction * effort.reduction;
         if norm > goal {
-            self.iterate(model, network, effort.iterations, norm, goal);
+            self.iterate(model, network, effort.iterations, [norm, goal], further);
             self.cut_to(room);
         }
     }
@@ -125,19 +130,20 @@ impl Workspace {
         })
     }
 
-    /// Conjugate gradients from a residual with this norm until it has fallen to `goal`.
+    /// Conjugate gradients from a residual with a norm until it has fallen to a goal.
     fn iterate<R: Real>(
         &mut self,
         model: &Model<R>,
         network: &Network,
         iterations: usize,
-        mut norm: f64,
-        goal: f64,
+        [mut norm, goal]: [f64; 2],
+        further: &Further,
     ) {
         self.redirect(0.0);
         for _ in 0..iterations {
             model.images(network, &self.direction, &mut self.place_images);
-            let curvature = self.combine(model, network);
+            let mut curvature = self.combine(model, network);
+            curvature += further(&self.direction, &mut self.image);
             if curvature <= 0.0 {
                 return;
             }

@@ -19,7 +19,7 @@ pub(super) const BARRIERS: [f64; 6] = [0.01, 0.005, 0.0025, 0.00125, 0.0006, 0.0
 
 /// How creases are let be.
 #[derive(Clone, Copy)]
-pub(super) struct Creases<'a> {
+pub(crate) struct Creases<'a> {
     /// The turning angle σ, infinite while all vertices count.
     pub(super) angle: f64,
     /// Strength of the barrier that all vertices share.

@@ -39,14 +39,20 @@ mod univariate;
 mod visit;
 
 pub use alone::minimise_vertex;
+pub(crate) use around::Univariate;
+pub(crate) use conjugate::{Effort, Room, Workspace};
 pub use keep::keep_volumes;
 pub(crate) use local::{Local, flatness, update_flatness};
+pub(crate) use model::Model;
 pub(crate) use pieces::{FLAT_REACH, FixedPass, KNOWN, Piece, fixed_passes};
+pub(crate) use problem::{Conditions, Problem, power_of_root};
 pub use progress::{Observer, Positions, Progress};
+pub(crate) use real::Real;
 pub(crate) use relax::EnergySum;
 pub use report::{ComponentVolume, Report, Round, Status};
 pub use settings::{Crease, Preset, Settings, Solver, Start, VolumeRule};
 pub(crate) use tile::{BLOCK, HALO, Tiling};
+pub(crate) use univariate::{scanned, stepped};
 
 use std::sync::Arc;
 
@@ -57,9 +63,7 @@ use crate::surface::Surface;
 use crate::volume::Border;
 use bounds::Bounds;
 use keep::Keeper;
-use problem::{Conditions, Problem};
 use progress::deltas;
-use real::Real;
 use report::Stationarity;
 
 /// A surface that minimises the energy, or comes near.

@@ -14,7 +14,7 @@ use crate::parallel::{self, NONE};
 /// The matrix couples a place to those one, two and three steps away on its curve, and the two places of a
 /// vertex act as one. In single precision: the matrix only shapes the steps, and where they end is
 /// decided by the gradient.
-pub(super) struct Model<R> {
+pub(crate) struct Model<R> {
     gradient: Vec<R>,
     diagonal: Vec<f32>,
     /// Coupling of every place to the next one, to the one after that, and to the third. The last is
@@ -29,7 +29,7 @@ pub(super) struct Model<R> {
 }
 
 impl<R: Real> Model<R> {
-    pub(super) fn new(network: &Network) -> Self {
+    pub(crate) fn new(network: &Network) -> Self {
         let (vertices, places) = (network.vertex_count(), network.vertices().len());
         Self {
             gradient: vec![R::default(); vertices],
@@ -68,7 +68,8 @@ impl<R: Real> Model<R> {
         problem.sum_over_own_vertices(|place| self.parts[place].rho)
     }
 
-    fn linearise_curves(&mut self, problem: &Problem<R>, x: &[R]) -> Value {
+    /// Looks at the curves alone. Returns their energy.
+    pub(crate) fn linearise_curves(&mut self, problem: &Problem<R>, x: &[R]) -> Value {
         self.support = problem.support();
         let arrays = [&mut self.squares[..], &mut self.near, &mut self.far, &mut self.third];
         parallel::update_blocks(&mut self.parts, arrays, |first, parts, matrix| {
@@ -91,7 +92,7 @@ impl<R: Real> Model<R> {
     }
 
     /// Gradient and diagonal from the parts at both places of every vertex and the barrier.
-    fn gather(&mut self, problem: &Problem<R>, x: &[R]) {
+    pub(crate) fn gather(&mut self, problem: &Problem<R>, x: &[R]) {
         let (parts, squares) = (&self.parts, &self.squares);
         let network = problem.network;
         let diagonal = [&mut self.diagonal[..]];
@@ -108,6 +109,24 @@ impl<R: Real> Model<R> {
             }
             0.0
         });
+    }
+
+    /// Adds to the energy of a place.
+    pub(crate) fn add_energy(&mut self, place: usize, energy: f64) {
+        let rho = &mut self.parts[place].rho;
+        *rho = *rho + R::from_f64(energy);
+    }
+
+    /// Adds to gradient and diagonal at an unknown.
+    #[inline]
+    pub(crate) fn add_slopes(&mut self, v: usize, slope: f32, curvature: f32) {
+        self.gradient[v] = self.gradient[v] + R::from_f64(f64::from(slope));
+        self.diagonal[v] += curvature;
+    }
+
+    /// The energy of a place.
+    pub(crate) fn energy_at(&self, place: usize) -> R {
+        self.parts[place].rho
     }
 
     /// How far vertex `v` would move from `x` to the minimum of the model if all others stayed.

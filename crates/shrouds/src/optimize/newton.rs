@@ -62,7 +62,7 @@ impl<R: Real> Newton<R> {
         energy: Value,
         effort: &Effort,
     ) -> Option<Step> {
-        self.workspace.solve(&self.model, problem.network, &room(problem, x), effort);
+        self.workspace.solve(&self.model, problem.network, &room(problem, x), effort, &|_, _| 0.0);
         let [low, high] = problem.bounds.all.map(R::to_f64);
         let mut awkward = Vec::new();
         if effort.converges {

@@ -21,25 +21,25 @@ const STEEPEST: f64 = 1e6;
 
 /// What a problem is made of besides the curves.
 #[derive(Clone, Copy)]
-pub(super) struct Conditions<'a> {
-    pub(super) energy: &'a Energy,
+pub(crate) struct Conditions<'a> {
+    pub(crate) energy: &'a Energy,
     /// Of the lattice, in units of the smallest one.
-    pub(super) spacing: [f64; 3],
+    pub(crate) spacing: [f64; 3],
     /// Between what the positions must stay, and the interval of each; empty if there are none.
-    pub(super) bounds: [f64; 2],
-    pub(super) intervals: &'a [[f64; 2]],
+    pub(crate) bounds: [f64; 2],
+    pub(crate) intervals: &'a [[f64; 2]],
     /// See [`flatness`](crate::optimize::flat::flatness).
-    pub(super) flatness: &'a [f32],
-    pub(super) creases: Option<Creases<'a>>,
+    pub(crate) flatness: &'a [f32],
+    pub(crate) creases: Option<Creases<'a>>,
     /// The mean energy of the vertices of the whole surface, where the problem has a part of it only:
     /// what the barrier follows must not depend on where the surface is cut.
-    pub(super) mean_energy: Option<f64>,
+    pub(crate) mean_energy: Option<f64>,
     /// What pulls every vertex up its grid edge, or nothing.
-    pub(super) forces: Option<&'a [f32]>,
+    pub(crate) forces: Option<&'a [f32]>,
 }
 
 impl<'a> Conditions<'a> {
-    pub(super) fn new(
+    pub(crate) fn new(
         surface: &Surface,
         settings: &Settings,
         energy: &'a Energy,
@@ -63,30 +63,30 @@ impl<'a> Conditions<'a> {
 
 /// The function to minimise. Weights and barrier depend on the surface; they are frozen while
 /// solving and refreshed by [`Problem::freeze`]. Lengths are in units of the smallest spacing.
-pub(super) struct Problem<'a, R> {
-    pub(super) network: &'a Network,
+pub(crate) struct Problem<'a, R> {
+    pub(crate) network: &'a Network,
     energy: &'a Energy,
-    pub(super) parts: Vec<WeightedPart<'a, R>>,
-    pub(super) lengths: Lengths<R>,
-    pub(super) bounds: Bounds<R>,
-    pub(super) barrier: Barrier,
+    pub(crate) parts: Vec<WeightedPart<'a, R>>,
+    pub(crate) lengths: Lengths<R>,
+    pub(crate) bounds: Bounds<R>,
+    pub(crate) barrier: Barrier,
     /// See [`Conditions`].
-    mean_energy: Option<f64>,
+    pub(crate) mean_energy: Option<f64>,
     /// How surely every vertex lies on a flat face along the grid.
     flatness: Vec<f32>,
     creases: Option<Creases<'a>>,
     /// See [`thinness`](crease::thinness); empty without creases.
     thinness: Vec<f32>,
     /// Whether a vertex must stay where it is.
-    pub(super) is_fixed: Vec<bool>,
+    pub(crate) is_fixed: Vec<bool>,
     /// Whether a vertex does not count in sums, and whether there is one that does not.
     pub(super) is_foreign: Vec<bool>,
     has_foreign: bool,
 }
 
 /// A measure with the weight of its ρ at every place, 0 where a vertex that it needs is missing.
-pub(super) struct WeightedPart<'a, R> {
-    pub(super) measure: &'a dyn CurveEnergy,
+pub(crate) struct WeightedPart<'a, R> {
+    pub(crate) measure: &'a dyn CurveEnergy,
     weight: f64,
     /// By vertex; none stands for 1.
     factors: Option<Vec<f32>>,
@@ -95,9 +95,9 @@ pub(super) struct WeightedPart<'a, R> {
 
 /// The value of the energy, and the part of it that stands at vertices that are not foreign.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Value {
-    pub(super) all: f64,
-    pub(super) own: f64,
+pub(crate) struct Value {
+    pub(crate) all: f64,
+    pub(crate) own: f64,
 }
 
 impl Add for Value {
@@ -116,7 +116,7 @@ impl Sum for Value {
 impl<'a, R: Real> Problem<'a, R> {
     /// The problem with weights as if every slice cut the surface at a right angle, and no barrier.
     /// `local` takes what is known of the vertices of the surface to those of the network.
-    pub(super) fn new(
+    pub(crate) fn new(
         network: &'a Network,
         conditions: &Conditions<'a>,
         local: impl Fn(&[f32]) -> Vec<f32>,
@@ -195,12 +195,18 @@ impl<'a, R: Real> Problem<'a, R> {
         if !self.has_weights() {
             return;
         }
+        let slopes = self.place_slopes(x);
+        self.weigh(x, &slopes);
+    }
+
+    /// Sets the Meusnier weights for curves with these slopes, place by place. Returns the shares
+    /// `1 − n_p²` of all vertices for both their curves.
+    pub(crate) fn weigh(&mut self, x: &[R], of_places: &[R]) -> Vec<[R; 2]> {
         // With slopes s of the two curves the normal is (−1, s₁, s₀) along the grid edge and along the
         // normals of curves 0 and 1.
-        let of_places = self.place_slopes(x);
         let mut shares = vec![[R::default(); 2]; x.len()];
         parallel::update_blocks(&mut shares, NONE, |first, shares, []| {
-            let slopes = self.network.at_vertices(first..first + shares.len(), &of_places);
+            let slopes = self.network.at_vertices(first..first + shares.len(), of_places);
             for (shares, [a, b]) in shares.iter_mut().zip(slopes) {
                 let (a, b, one) = (a * a, b * b, R::from_f64(1.0));
                 let inverse = one / (one + a + b);
@@ -212,16 +218,21 @@ impl<'a, R: Real> Problem<'a, R> {
         });
         let straightness = self.straightness(x);
         self.set_weights(&shares, &straightness);
+        shares
     }
 
     /// The slopes of both curves of every vertex over its grid edge: how far their tangents run along
     /// the edge for each unit across it, towards the high side. The tangent is that of the circle
     /// through three vertices.
     pub(super) fn slopes(&self, x: &[R]) -> Vec<[f32; 2]> {
-        let of_places = self.place_slopes(x);
-        let mut slopes = vec![[0.0; 2]; x.len()];
+        self.slopes_of(&self.place_slopes(x))
+    }
+
+    /// The same from the slopes of the places.
+    pub(crate) fn slopes_of(&self, of_places: &[R]) -> Vec<[f32; 2]> {
+        let mut slopes = vec![[0.0; 2]; self.network.vertex_count()];
         parallel::update_blocks(&mut slopes, NONE, |first, slopes, []| {
-            let found = self.network.at_vertices(first..first + slopes.len(), &of_places);
+            let found = self.network.at_vertices(first..first + slopes.len(), of_places);
             for (slopes, found) in slopes.iter_mut().zip(found) {
                 *slopes = found.map(|slope| slope.to_f64().clamp(-STEEPEST, STEEPEST) as f32);
             }
@@ -231,7 +242,7 @@ impl<'a, R: Real> Problem<'a, R> {
     }
 
     /// Sets the barrier for a surface whose places have these energies.
-    pub(super) fn set_barrier(&mut self, of_place: impl Fn(usize) -> R + Sync) {
+    pub(crate) fn set_barrier(&mut self, of_place: impl Fn(usize) -> R + Sync) {
         let network = self.network;
         let of_vertex = |v| energy_of_vertex(network, v, &of_place);
         let shared = match (self.creases, self.mean_energy) {
@@ -243,7 +254,7 @@ impl<'a, R: Real> Problem<'a, R> {
     }
 
     /// The energies that the barrier goes by, of all vertices that are not foreign.
-    pub(super) fn sum_over_own_vertices(&self, of_place: impl Fn(usize) -> R + Sync) -> f64 {
+    pub(crate) fn sum_over_own_vertices(&self, of_place: impl Fn(usize) -> R + Sync) -> f64 {
         parallel::sum_blocks(self.network.vertex_count(), |range| {
             let own = range.filter(|&v| !self.is_foreign[v]);
             own.map(|v| energy_of_vertex(self.network, v, &of_place)).sum::<f64>()
@@ -251,7 +262,7 @@ impl<'a, R: Real> Problem<'a, R> {
     }
 
     /// [`Problem::slopes`], place by place.
-    fn place_slopes(&self, x: &[R]) -> Vec<R> {
+    pub(crate) fn place_slopes(&self, x: &[R]) -> Vec<R> {
         let mut slopes = vec![R::default(); self.network.vertices().len()];
         parallel::update_blocks(&mut slopes, NONE, |first, slopes, []| {
             self.strips(x, first..first + slopes.len(), |strip, places| {
@@ -380,7 +391,7 @@ impl<'a, R: Real> Problem<'a, R> {
     }
 
     /// The barrier of all vertices, and the work of what pulls them.
-    pub(super) fn barrier_value(&self, x: &[R]) -> Value {
+    pub(crate) fn barrier_value(&self, x: &[R]) -> Value {
         if !self.barrier.acts() {
             return Value::default();
         }
@@ -414,7 +425,7 @@ impl<'a, R: Real> Problem<'a, R> {
 
     /// A mark for every place: `mark` of the smaller squared length of the chords before and after it
     /// and the cosine between them. Where a curve ends the missing neighbour lies far away.
-    pub(super) fn mark_places<M: Copy + Default + Send>(
+    pub(crate) fn mark_places<M: Copy + Default + Send>(
         &self,
         x: &[R],
         mark: impl Fn(f32, f32) -> M + Sync,
@@ -480,7 +491,7 @@ fn sum_of(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// The square root of `x` to a power.
-fn power_of_root<R: Real>(x: R, exponent: f64) -> R {
+pub(crate) fn power_of_root<R: Real>(x: R, exponent: f64) -> R {
     match exponent {
         0.0 => return R::from_f64(1.0),
         5.0 => return x * x * x.sqrt(),

@@ -40,7 +40,7 @@ pub struct Positions<'a> {
 
 /// Positions from the low ends of the grid edges.
 #[derive(Clone, Copy)]
-pub(super) enum Values<'a> {
+pub(crate) enum Values<'a> {
     Single(&'a [f32]),
     Double(&'a [f64]),
 }

@@ -8,7 +8,7 @@ use crate::energy::{CurveEnergy, Lanes, Stencil, Term};
 use crate::optimize::progress::Values;
 
 /// `f32` or `f64`, with what the solver does with them.
-pub(super) trait Real:
+pub(crate) trait Real:
     Copy
     + Default
     + PartialOrd

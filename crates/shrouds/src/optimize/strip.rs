@@ -16,7 +16,7 @@ const LENGTH: usize = STRIP + 2 * REPEATED + LANES;
 const FAR: f64 = 1e5;
 
 /// Lengths in units of the smallest spacing that turn the step of a place into numbers.
-pub(super) struct Lengths<R> {
+pub(crate) struct Lengths<R> {
     spacing: [R; 3],
     /// See [`Lengths::of_step`].
     steps: Vec<[[R; 2]; 2]>,
@@ -52,7 +52,7 @@ impl<R: Real> Lengths<R> {
 
     /// The distance between planes with this normal.
     #[inline(always)]
-    pub(super) fn between_planes(&self, normal: usize) -> R {
+    pub(crate) fn between_planes(&self, normal: usize) -> R {
         self.spacing[normal % 3]
     }
 }

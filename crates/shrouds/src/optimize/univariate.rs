@@ -1,6 +1,6 @@
 //! Minimising over the position of one vertex.
 
-use crate::optimize::around::Around;
+use crate::optimize::around::Univariate;
 use crate::optimize::problem::Problem;
 use crate::optimize::real::Real;
 
@@ -15,18 +15,24 @@ pub(super) const ROUNDING: f64 = 1e-14;
 /// Returns how far it moved: 0 when no attempt helped.
 pub(super) fn step<R: Real>(problem: &Problem<R>, x: &mut [R], v: u32) -> f64 {
     let old = x[v as usize];
-    let new = stepped(&mut problem.around(x, v), old, problem.bounds.of(v as usize));
+    let mut around = problem.around(x, v);
+    let new = stepped(|x| around.at(x), old, problem.bounds.of(v as usize));
     x[v as usize] = new;
     new.to_f64() - old.to_f64()
 }
 
-fn stepped<R: Real>(around: &mut Around<R>, old: R, bounds: [R; 2]) -> R {
-    let here = around.at(old);
+/// Where one Newton step leads from `old` on a function of one position.
+pub(crate) fn stepped<R: Real>(
+    mut function: impl FnMut(R) -> Univariate,
+    old: R,
+    bounds: [R; 2],
+) -> R {
+    let here = function(old);
     let mut length = -here.slope / here.curvature.max(f64::MIN_POSITIVE);
     let [low, high] = bounds.map(R::to_f64);
     for _ in 0..ATTEMPTS {
         let new = R::from_f64((old.to_f64() + length).clamp(low, high));
-        if new != old && around.at(new).value < here.value + ROUNDING * here.value.abs() {
+        if new != old && function(new).value < here.value + ROUNDING * here.value.abs() {
             return new;
         }
         length = (new.to_f64() - old.to_f64()) * SHRINK;
@@ -50,16 +56,26 @@ pub(super) fn minimise<R: Real>(problem: &Problem<R>, x: &mut [R], v: u32) {
 /// Moves vertex `v` to the best of a few places spread over its grid edge, if one is better than
 /// where it is: the energy may have several minima along the edge.
 pub(super) fn scan<R: Real>(problem: &Problem<R>, x: &mut [R], v: u32) {
-    const PLACES: usize = 9;
-    let [low, high] = problem.bounds.of(v as usize).map(R::to_f64);
     let mut around = problem.around(x, v);
-    let mut best = (around.at(x[v as usize]).value, x[v as usize]);
+    let old = x[v as usize];
+    x[v as usize] = scanned(|x| around.at(x), old, problem.bounds.of(v as usize));
+}
+
+/// The place of the least value of a function, among `old` and a few that are spread over the bounds.
+pub(crate) fn scanned<R: Real>(
+    mut function: impl FnMut(R) -> Univariate,
+    old: R,
+    bounds: [R; 2],
+) -> R {
+    const PLACES: usize = 9;
+    let [low, high] = bounds.map(R::to_f64);
+    let mut best = (function(old).value, old);
     for n in 0..PLACES {
         let place = R::from_f64(low + (high - low) * (n as f64 + 0.5) / PLACES as f64);
-        let value = around.at(place).value;
+        let value = function(place).value;
         if value < best.0 {
             best = (value, place);
         }
     }
-    x[v as usize] = best.1;
+    best.1
 }

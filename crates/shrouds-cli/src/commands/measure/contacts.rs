@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 use serde::Serialize;
 use shrouds::contact::contact_area;
+use shrouds::materials::MaterialMesh;
 use shrouds::mesh::MeshKind;
 use shrouds::volume::Border;
 use shrouds_report::measure::shares;
@@ -40,6 +41,18 @@ impl Contacts {
     pub(super) fn outside_of(&self, label: Option<i128>) -> f64 {
         self.outside.iter().find(|(one, _)| Some(*one) == label).map_or(0.0, |(_, area)| *area)
     }
+}
+
+/// The faces between labels of a mesh that has them, from the triangles that both share.
+pub(super) fn of_mesh(mesh: &MaterialMesh) -> Vec<Contact> {
+    let contact = |([label, other], (_, area)): ([i64; 2], (usize, f64))| Contact {
+        label: label.into(),
+        name: String::new(),
+        other: other.into(),
+        other_name: String::new(),
+        area,
+    };
+    mesh.contacts().into_iter().filter(|([_, other], _)| *other != 0).map(contact).collect()
 }
 
 /// The faces of labels, which are given with their numbers; those between labels several at a time.

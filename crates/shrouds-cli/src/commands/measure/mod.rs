@@ -7,10 +7,11 @@ mod volumes;
 use std::path::Path;
 use std::time::Instant;
 
+use shrouds::materials::MaterialMesh;
 use shrouds::mesh::MeshKind;
 use shrouds::optimize::{Preset, Solver};
 use shrouds::{Grid, TriMesh};
-use shrouds_io::{Frame, read_mesh};
+use shrouds_io::{Frame, read_materials, read_mesh};
 use shrouds_report::measure::{Body, Entries, Units, parts};
 
 use crate::args::MeasureArgs;
@@ -34,12 +35,16 @@ pub(crate) fn run(args: &MeasureArgs, console: Console) -> Result<(), Failure> {
     check_call(args, kind)?;
     let progress = Progress::new(console.quiet);
     let run = Run { args, job: &job, console, progress: &progress, other: other(args)? };
-    let (rows, bodies) = match kind {
-        Kind::Mesh => (meshes(&run)?, None),
+    let (rows, contacts, bodies) = match kind {
+        Kind::Mesh => match read_materials(&args.input)? {
+            Some(mesh) => (run.materials(&mesh)?, Some(contacts::of_mesh(&mesh)), None),
+            None => (run.mesh(&read_mesh(&args.input)?, &Name::default())?, None, None),
+        },
         Kind::Volume => {
             job.warn(console);
             let mut bodies = run.volume()?;
-            (std::mem::take(&mut bodies.rows), Some(bodies))
+            let contacts = args.contacts.then(|| std::mem::take(&mut bodies.contacts));
+            (std::mem::take(&mut bodies.rows), contacts, Some(bodies))
         }
     };
     drop(progress);
@@ -56,7 +61,7 @@ pub(crate) fn run(args: &MeasureArgs, console: Console) -> Result<(), Failure> {
         settings: (kind == Kind::Volume).then_some(&job.report),
         distance_to: args.distance_to.as_deref().map(name),
         rows: &rows,
-        contacts: bodies.filter(|_| args.contacts).map(|of| &of.contacts[..]),
+        contacts: contacts.as_deref(),
         time: start.elapsed().as_secs_f64(),
         memory: peak_memory(),
         version: env!("CARGO_PKG_VERSION"),
@@ -91,7 +96,8 @@ fn check_call(args: &MeasureArgs, kind: Kind) -> Result<(), Failure> {
         return Err(Failure::Call(format!("{}: {message}", args.input.display())));
     }
     let mut targets: Vec<&Path> = args.csv.as_deref().into_iter().collect();
-    let contacts = args.csv.as_deref().filter(|_| args.contacts).map(contacts_path);
+    let contacts = args.csv.as_deref().filter(|_| args.contacts || kind == Kind::Mesh);
+    let contacts = contacts.map(contacts_path);
     targets.extend(contacts.as_deref());
     let inputs: Vec<&Path> = [Some(&args.input), args.distance_to.as_ref()]
         .into_iter()
@@ -110,30 +116,50 @@ fn other(args: &MeasureArgs) -> Result<Other, Failure> {
     }
 }
 
-/// Measures a mesh file, or each of its parts.
-fn meshes(run: &Run) -> Result<Vec<Row>, Failure> {
-    run.progress.stage("reading");
-    let mesh = read_mesh(&run.args.input)?;
-    let parts = if run.args.components { parts(&mesh) } else { vec![mesh] };
-    let made = match run.other {
-        Other::Volume => run.other_selection(None)?,
-        _ => None,
-    };
-    let other = match &run.other {
-        Other::Mesh(mesh) => Some(mesh),
-        _ => made.as_ref(),
-    };
-    run.progress.stage("measuring");
-    let row = |(n, mesh): (usize, &TriMesh)| {
-        let body = Body { mesh, surface: None, kind: MeshKind::Primal, voxels: None };
-        let measured = body.measure(other).map_err(|error| {
-            let failure = Failure::from(error);
-            Failure::Undone(format!("{}: {}", run.args.input.display(), failure.message()))
-        })?;
-        let component = run.args.components.then_some(n + 1);
-        Ok(Row { name: Name { component, ..Name::default() }, measured })
-    };
-    parts.iter().enumerate().map(row).collect()
+impl Run<'_> {
+    /// Measures a mesh, or each of its parts.
+    fn mesh(&self, mesh: &TriMesh, name: &Name) -> Result<Vec<Row>, Failure> {
+        let parts = if self.args.components { parts(mesh) } else { vec![mesh.clone()] };
+        let made = match self.other {
+            Other::Volume => self.other_selection(None)?,
+            _ => None,
+        };
+        let other = match &self.other {
+            Other::Mesh(mesh) => Some(mesh),
+            _ => made.as_ref(),
+        };
+        self.progress.stage("measuring");
+        let row = |(n, mesh): (usize, &TriMesh)| {
+            let body = Body { mesh, surface: None, kind: MeshKind::Primal, voxels: None };
+            let measured = body.measure(other).map_err(|error| {
+                let failure = Failure::from(error);
+                Failure::Undone(format!("{}: {}", self.args.input.display(), failure.message()))
+            })?;
+            let component = self.args.components.then_some(n + 1);
+            Ok(Row { name: Name { component, ..name.clone() }, measured })
+        };
+        parts.iter().enumerate().map(row).collect()
+    }
+
+    /// Measures every label of a mesh of several materials but the background.
+    fn materials(&self, mesh: &MaterialMesh) -> Result<Vec<Row>, Failure> {
+        if self.args.distance_to.is_some() {
+            let message = "is a mesh of several materials; measure the distance of one closed mesh";
+            return Err(Failure::Call(format!("{}: {message}", self.args.input.display())));
+        }
+        let outside = mesh.contacts();
+        let mut rows = Vec::new();
+        for (label, closed) in mesh.closed_meshes().filter(|(label, _)| *label != 0) {
+            let name = Name { label: Some(label.into()), ..Name::default() };
+            let mut of_label = self.mesh(&closed, &name)?;
+            if !self.args.components {
+                let area = outside.get(&[label, 0]).map_or(0.0, |(_, area)| *area);
+                of_label.iter_mut().for_each(|row| row.add_outside(area));
+            }
+            rows.append(&mut of_label);
+        }
+        Ok(rows)
+    }
 }
 
 /// The columns of the row that has most.

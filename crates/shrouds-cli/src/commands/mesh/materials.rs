@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use shrouds::materials::{Labels, MaterialMesh, Settings, Shrouds, shrouds};
+use shrouds::materials::{MaterialMesh, Settings, Shrouds, shrouds};
 use shrouds::mesh::{MeshKind, Triangles};
 use shrouds::optimize::{Solver, VolumeRule};
 use shrouds::volume::Border;
@@ -20,6 +20,7 @@ use crate::each::Target;
 use crate::failure::Failure;
 use crate::frame::{mesh_options, name, to_index};
 use crate::input;
+use crate::materials::labels;
 use crate::output::{make_folder, write_json, write_picture};
 use crate::picture::View;
 use crate::progress::Progress;
@@ -43,7 +44,7 @@ pub(super) fn run(
     check_files(args, files)?;
     let progress = Progress::new(console.quiet);
     let (lattice, frame, contents) = input::contents(&args.input, &args.volume, console)?;
-    let labels = labels(args, &lattice, &progress)?;
+    let labels = labels(&args.input, &args.volume, &lattice, &progress)?;
     let read = start.elapsed().as_secs_f64();
     progress.stage("optimising");
     let mut made = shrouds(labels.clone(), &settings(job))?;
@@ -117,19 +118,6 @@ fn settings(job: &Job) -> Settings {
         margin: own.margin,
         tolerance: own.tolerance(),
         max_iterations: own.max_iterations(),
-    }
-}
-
-fn labels(args: &MeshArgs, lattice: &Grid, progress: &Progress) -> Result<Labels, Failure> {
-    let volume = input::volume(&args.input, &args.volume, args.volume.layer(), progress)?;
-    let problem = |text: String| Failure::Undone(format!("{}: {text}", args.input.display()));
-    let values = volume.values.whole().ok_or_else(|| {
-        problem("the values are no labels; --materials wants whole numbers".into())
-    })?;
-    let labels = Labels::new(lattice, &values).map_err(|error| problem(error.to_string()))?;
-    match labels.values() {
-        [_] => Err(problem("all values are 0; check that this is the segmentation".into())),
-        _ => Ok(labels),
     }
 }
 

@@ -3,6 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::*;
+use crate::materials::span::order;
+use crate::random::uniform;
 
 /// All patterns in which the labels appear in the order 1, 2, …: one for each way to share out eight
 /// corners.
@@ -141,4 +143,102 @@ fn two_labels_have_the_loops_of_a_binary_volume() {
         expected.sort_unstable();
         assert_eq!(found, expected, "{pattern:08b}");
     }
+}
+
+/// Labels of two cells side by side along an axis, at most eight different ones, none of them 0: the
+/// corners of the low cell and of the high one, which share a face.
+fn neighbours(sample: u64) -> (usize, [[u32; 8]; 2], FaceRule) {
+    let number = |n: u64, below: f64| (uniform(sample, n) * below) as u32;
+    let (axis, count) = (number(0, 3.0) as usize, f64::from(2 + number(1, 7.0)));
+    let rule = if number(2, 2.0) == 0 { FaceRule::Separate } else { FaceRule::Join };
+    let layers = [0, 1, 2].map(|n| [0, 1, 2, 3].map(|c| 1 + number(3 + 4 * n + c, count)));
+    let cell = |low: usize| {
+        std::array::from_fn(|corner: usize| {
+            let [side, u, v] = [0, 1, 2].map(|step| corner >> ((axis + step) % 3) & 1);
+            layers[low + side][u + 2 * v]
+        })
+    };
+    (axis, [cell(0), cell(1)], rule)
+}
+
+/// The node of the high cell that a node of the low one is, if it lies on their common face.
+fn beyond(axis: usize, node: Node) -> Option<Node> {
+    let along = usize::from(node / 4);
+    match node {
+        FIRST_INNER.. => None,
+        FIRST_JUNCTION.. => (usize::from(node - FIRST_JUNCTION) == 2 * axis + 1).then(|| node - 1),
+        _ if along == axis => None,
+        // The first bit of an edge is for the axis after its own.
+        _ => {
+            let bit = if (along + 1) % 3 == axis { 1 } else { 2 };
+            (node & bit != 0).then(|| node - bit)
+        }
+    }
+}
+
+/// Checks samples of two cells that share a face: on it both leave the same segments, and around every
+/// label the triangles of both are closed across it, each edge once in either direction.
+fn judge_neighbours(samples: std::ops::Range<u64>) {
+    const HIGH: Node = 32;
+    for sample in samples {
+        let (axis, cells, rule) = neighbours(sample);
+        let fillings = cells.map(|labels| Filling::new(order(labels).0.map(u32::from), rule));
+        let ranks = cells.map(|labels| order(labels).1);
+        // For every label and node where the directed edges of its triangles lead.
+        let mut leads = [[0u64; 64]; 9];
+        let mut shared = 0u64;
+        for node in 0..FIRST_INNER {
+            shared |= u64::from(beyond(axis, node).is_some()) << node;
+        }
+        let back = |node: Node| (0..FIRST_INNER).find(|&low| beyond(axis, low) == Some(node));
+        let names: Vec<Node> = (0..HIGH).map(|n| back(n).unwrap_or(HIGH + n)).collect();
+        for (high, (filling, ranks)) in fillings.iter().zip(&ranks).enumerate() {
+            for &Triangle { nodes, pair } in &filling.triangles {
+                let nodes = nodes.map(|n| if high == 1 { names[usize::from(n)] } else { n });
+                for (label, [a, b, c]) in
+                    [(pair[0], nodes), (pair[1], [nodes[0], nodes[2], nodes[1]])]
+                {
+                    let leads = &mut leads[ranks[label as usize] as usize];
+                    for [from, to] in [[a, b], [b, c], [c, a]] {
+                        let to = 1u64 << to;
+                        assert_eq!(leads[usize::from(from)] & to, 0, "{cells:?} {rule:?}: twice");
+                        leads[usize::from(from)] |= to;
+                    }
+                }
+            }
+        }
+        for (label, leads) in leads.iter().enumerate() {
+            for (from, &to) in leads.iter().enumerate() {
+                // Edges at cell points and on the common face have a triangle on either side.
+                let inner = 0x3FFF << FIRST_INNER | 0x3FFF << (HIGH + FIRST_INNER);
+                let is_inner = inner >> from & 1 == 1;
+                let is_shared = shared >> from & 1 == 1;
+                let closed = to
+                    & if is_inner { u64::MAX } else { inner | if is_shared { shared } else { 0 } };
+                for node in (0..64).filter(|node| closed >> node & 1 == 1) {
+                    let is_answered = leads[node] >> from & 1 == 1;
+                    assert!(
+                        is_answered,
+                        "{cells:?} {rule:?}: label {label} is open at {from}–{node}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn neighbours_agree_on_their_face_and_every_label_is_closed_across_it() {
+    crate::parallel::blocks(50, 1, |block| {
+        judge_neighbours(1000 * block.start as u64..1000 * block.end as u64);
+    });
+}
+
+/// The same with a million; the number stands in docs/materials.md.
+#[test]
+#[ignore = "half a minute"]
+fn a_million_neighbours_agree() {
+    crate::parallel::blocks(1000, 1, |block| {
+        judge_neighbours(1000 * block.start as u64..1000 * block.end as u64);
+    });
 }
