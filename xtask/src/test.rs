@@ -15,7 +15,7 @@ pub(crate) fn run() -> Result<()> {
     steps.command("lints", cargo("clippy --workspace --all-targets -- -D warnings"))?;
     steps.command(
         "lints without features",
-        cargo("clippy -p shrouds --no-default-features -- -D warnings"),
+        cargo("clippy -p shrouds -p shrouds-io --no-default-features -- -D warnings"),
     )?;
     steps.command("Rust tests", cargo("test --workspace"))?;
     let mut docs = cargo("doc --workspace --no-deps");

@@ -25,6 +25,7 @@ mod chunks;
 mod error;
 mod mesh;
 mod pick;
+#[cfg(feature = "draco")]
 mod precomputed;
 mod stream;
 mod text;
@@ -38,6 +39,7 @@ pub use mesh::{
     Attribute, Line, MeshFormat, MeshOptions, Part, Precision, mesh_format, read_materials,
     read_mesh, write_lines, write_lines_with, write_materials, write_mesh, write_meshes,
 };
+#[cfg(feature = "draco")]
 pub use precomputed::{VertexBits, write_layer_info};
 pub use stream::Progress;
 pub use volume::{

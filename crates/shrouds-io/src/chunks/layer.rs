@@ -1,11 +1,12 @@
 //! From positions to the fragments of a Neuroglancer layer, with coarser surfaces for what is far.
 
+use std::fs;
 use std::path::Path;
 
 use crate::atomic::write_atomically;
 use crate::chunks::artefact::Artefact;
 use crate::chunks::run::Found;
-use crate::chunks::{COARSER, ChunkRun};
+use crate::chunks::{COARSER, ChunkRun, IDENTITY};
 use crate::error::Error;
 use crate::precomputed::{Manifest, Node, VertexBits, fragments};
 
@@ -28,7 +29,9 @@ impl ChunkRun {
     /// [`Layout::levels`](shrouds::chunks::Layout::levels).
     pub fn coarser(&self) -> Result<Self, Error> {
         let layout = self.layout.halved().map_err(|cause| self.failed(cause))?;
-        Self::open(self.folder.join(COARSER), &self.identity, layout, &self.settings)
+        let identity = fs::read_to_string(self.folder.join(IDENTITY))
+            .map_err(|cause| self.refused("read which work it holds", cause))?;
+        Self::open(self.folder.join(COARSER), &identity, layout, &self.settings)
     }
 
     /// Takes in the voxels of a chunk from those of the run that this one was made from by

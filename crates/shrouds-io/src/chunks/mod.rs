@@ -6,11 +6,14 @@
 //! was killed is called again; and what was done is not done again. The same steps write the same bytes.
 
 mod artefact;
+#[cfg(feature = "draco")]
 mod layer;
 mod run;
 mod written;
 
 pub use run::{ChunkRun, Totals};
 
+/// The file that tells the work from all other.
+const IDENTITY: &str = "identity";
 /// The folder of the work on a lattice of half as many points, within that of the finer one.
 const COARSER: &str = "coarser";

@@ -9,8 +9,8 @@ use shrouds::volume::Border;
 use shrouds::{Occupancy, Settings};
 
 use crate::atomic::write_atomically;
-use crate::chunks::COARSER;
 use crate::chunks::artefact::Artefact;
+use crate::chunks::{COARSER, IDENTITY};
 use crate::error::Error;
 
 /// What the voxels of a chunk are all; anything else where they differ.
@@ -22,12 +22,10 @@ const MIXED: u64 = 2;
 ///
 /// The steps are, in this order, each for all chunks before the next begins: [`put_voxels`](Self::put_voxels);
 /// for every pass [`relax`](Self::relax), and once [`finish`](Self::finish); then
-/// [`write_piece`](Self::write_piece) and [`join`](Self::join), or [`write_part`](Self::write_part), or
-/// [`write_fragments`](Self::write_fragments) here and for [`coarser`](Self::coarser) runs, and
-/// [`join_levels`](Self::join_levels).
+/// [`write_piece`](Self::write_piece) and [`join`](Self::join), or [`write_part`](Self::write_part), or, with the
+/// feature `draco`, `write_fragments` here and for `coarser` runs, and `join_levels`.
 pub struct ChunkRun {
     pub(super) folder: PathBuf,
-    pub(super) identity: String,
     pub(super) layout: Layout,
     pub(super) settings: Settings,
     passes: Passes,
@@ -72,16 +70,10 @@ impl ChunkRun {
         let folder = folder.into();
         let passes = Passes::new(&settings.optimize)
             .map_err(|cause| Error::Chunks { path: folder.clone(), cause })?;
-        let mut run = Self {
-            folder,
-            identity: identity.into(),
-            layout,
-            settings: settings.clone(),
-            passes,
-            is_continued: false,
-        };
+        let mut run =
+            Self { folder, layout, settings: settings.clone(), passes, is_continued: false };
         fs::create_dir_all(&run.folder).map_err(|cause| run.refused("make it", cause))?;
-        let key = run.folder.join("identity");
+        let key = run.folder.join(IDENTITY);
         run.is_continued = fs::read(&key).is_ok_and(|found| found == identity.as_bytes());
         if run.is_continued {
             return Ok(run);
@@ -232,7 +224,7 @@ impl ChunkRun {
     pub fn remove(&self) -> Result<(), Error> {
         self.clear()?;
         let refused = |cause| self.refused("remove what is in it", cause);
-        fs::remove_file(self.folder.join("identity")).map_err(refused)?;
+        fs::remove_file(self.folder.join(IDENTITY)).map_err(refused)?;
         // It stays where it is not empty.
         let _ = fs::remove_dir(&self.folder);
         Ok(())
@@ -335,7 +327,7 @@ impl ChunkRun {
         }
     }
 
-    fn refused(&self, doing: &'static str, cause: std::io::Error) -> Error {
+    pub(super) fn refused(&self, doing: &'static str, cause: std::io::Error) -> Error {
         let advice = "check the folder and the disk";
         Error::Io { path: self.folder.clone(), doing, cause, advice }
     }
