@@ -75,6 +75,10 @@ fn what_is_resumed_goes_on_as_if_it_had_never_stopped() {
     let changes = [&mut live, &mut resumed].map(|live| live.update(&volume, region.clone()));
     assert_eq!(changes[0].as_ref().unwrap(), changes[1].as_ref().unwrap());
     assert_eq!(live.delta(), resumed.delta());
+    let mut beyond = delta.clone();
+    beyond[7] = f64::NAN;
+    let beyond = LiveShroud::resume(surface.clone(), beyond, &settings);
+    assert!(matches!(beyond, Err(Error::Setting { name: "delta", .. })));
     let few = LiveShroud::resume(surface, delta[1..].to_vec(), &settings);
     assert!(matches!(few.err(), Some(Error::Setting { name: "delta", .. })));
 }

@@ -96,7 +96,7 @@ impl LiveShroud {
     /// [`shroud`](crate::shroud) with the same settings: nothing is solved.
     ///
     /// # Errors
-    /// Those of [`LiveShroud::new`]; [`Error::Setting`] when there is not one δ for each vertex.
+    /// Those of [`LiveShroud::new`]; [`Error::Setting`] when there is not one δ between 0 and 1 for each vertex.
     pub fn resume(
         surface: Surface,
         delta: Vec<f64>,
@@ -104,6 +104,10 @@ impl LiveShroud {
     ) -> Result<Self, Error> {
         if delta.len() != surface.vertex_count() {
             let (value, range) = (format!("{} numbers", delta.len()), "one for each vertex");
+            return Err(Error::Setting { name: "delta", value, range });
+        }
+        if let Some(delta) = delta.iter().find(|delta| !(0.0..=1.0).contains(*delta)) {
+            let (value, range) = (delta.to_string(), "between 0 and 1");
             return Err(Error::Setting { name: "delta", value, range });
         }
         let mut live = Self::unsolved(surface, settings)?;

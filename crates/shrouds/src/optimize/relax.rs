@@ -201,13 +201,13 @@ impl Work<'_> {
                 }
                 self.finish(&mut pass, &tile, visit);
             }
+            if done + 1 == groups.len() {
+                shares::settle(&shares, conditions.bounds, x);
+            }
             if watch(pass.moment((done + 1) as f64 / groups.len() as f64, x)) {
                 pass.status = Status::Cancelled;
-                return pass;
+                break;
             }
-        }
-        for (x, share) in x.iter_mut().zip(shares) {
-            *x = R::from_f64(shares::position(share, conditions.bounds));
         }
         pass
     }

@@ -44,14 +44,21 @@ fn weight(points: &TilePoints, axis: usize, point: usize) -> usize {
     weight
 }
 
-/// The position that the shares of all tiles make together, within bounds.
-pub(super) fn position(share: u32, [low, high]: [f64; 2]) -> f64 {
+/// Takes the positions that the shares of all tiles make together, within bounds.
+pub(super) fn settle<R: Real>(shares: &[u32], bounds: [f64; 2], x: &mut [R]) {
+    let new = shares.iter().map(|&share| R::from_f64(position(share, bounds)));
+    x.iter_mut().zip(new).for_each(|(x, new)| *x = new);
+}
+
+fn position(share: u32, [low, high]: [f64; 2]) -> f64 {
     (f64::from(share) / ONE).clamp(low, high)
 }
 
-/// The same of many vertices.
+/// These positions.
 pub(crate) fn positions(settings: &Settings, shares: &[u32]) -> Vec<f32> {
-    shares.iter().map(|&share| position(share, settings.bounds()) as f32).collect()
+    let mut x = vec![0.0; shares.len()];
+    settle(shares, settings.bounds(), &mut x);
+    x
 }
 
 #[cfg(test)]
