@@ -219,7 +219,7 @@ mod tests {
         let before = volume.clone();
         let ball = |centre, radius| Ball { add: true, centre, radius };
         let edit = Edit::ball(&volume, &ball([4.0, 3.5, 0.0], 2.0));
-        assert_eq!(edit.region(), [2..7, 2..6, 0..2]);
+        assert_eq!(edit.region(), [3..6, 2..6, 0..2]);
         let inside = |[i, j, k]: [f64; 3]| (i - 4.0).powi(2) + (j - 3.5).powi(2) + k.powi(2) <= 4.0;
         edit.turn(&mut volume);
         let expected = Occupancy::from_fn(before.grid().clone(), |p| inside(p.map(|n| n as f64)));
