@@ -22,10 +22,14 @@ pub(crate) fn run(args: &CheckArgs, console: Console) -> Result<(), Failure> {
     let is_certificate = args.mesh.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
     match &args.volume {
         _ if is_certificate => verify(args, console),
-        Some(volume) => match read_materials(&args.mesh)? {
-            Some(mesh) => check_materials::run(args, volume, &mesh, console),
-            None => check(args, volume, console),
-        },
+        Some(volume) => {
+            let subject = subject(args, volume);
+            subject.check_formats()?;
+            match read_materials(&args.mesh)? {
+                Some(mesh) => check_materials::run(args, volume, &mesh, console),
+                None => check(args, &subject, console),
+            }
+        }
         None => Err(Failure::Call(format!(
             "{}: a mesh is checked against its volume: give it with --volume",
             args.mesh.display()
@@ -33,33 +37,35 @@ pub(crate) fn run(args: &CheckArgs, console: Console) -> Result<(), Failure> {
     }
 }
 
-fn check(args: &CheckArgs, volume: &Path, console: Console) -> Result<(), Failure> {
-    let subject = Subject {
+fn subject<'a>(args: &'a CheckArgs, volume: &'a Path) -> Subject<'a> {
+    Subject {
         mesh: &args.mesh,
         volume,
         selection: &args.selection,
         border: args.border.unwrap_or(Border::Closed),
         faces: args.faces.unwrap_or(FaceRule::Separate),
         all_axes: args.all_axes,
-    };
-    subject.check_formats()?;
+    }
+}
+
+fn check(args: &CheckArgs, subject: &Subject, console: Console) -> Result<(), Failure> {
     if let Some(path) = &args.certificate {
-        check_targets(&[path], &[&args.mesh, volume])?;
+        check_targets(&[path], &[&args.mesh, subject.volume])?;
     }
     let progress = Progress::new(console.quiet);
     let examined = subject.examine(console, &progress)?;
     if let Some(path) = &args.certificate {
-        certificate::write(path, &subject, &examined, &progress)?;
+        certificate::write(path, subject, &examined, &progress)?;
     }
     progress.stage("measuring the fairness");
     let fairness = lines::fairness(&examined.mesh, Some(examined.volume.grid()))?;
     drop(progress);
     if args.json {
-        print_json(&Report::new(&subject, &examined, fairness))?;
+        print_json(&Report::new(subject, &examined, fairness))?;
     } else {
         console.result(&lines(&examined.report, &examined.volume, fairness))?;
     }
-    verdict(&subject, &examined.report)
+    verdict(subject, &examined.report)
 }
 
 fn verdict(subject: &Subject, report: &CheckReport) -> Result<(), Failure> {
