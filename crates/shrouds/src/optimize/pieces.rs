@@ -121,7 +121,8 @@ impl Piece<'_> {
     ) -> Found {
         let flatness = flat::flatness_within(self.volume, self.first, self.surface);
         let conditions = Conditions::new(self.surface, settings, &pass.energy, &flatness);
-        let conditions = Conditions { mean_energy, ..conditions };
+        let barrier_follows = conditions.barrier_follows.knowing(mean_energy);
+        let conditions = Conditions { barrier_follows, ..conditions };
         let (shares, slopes) = (vec![0; x.len()], vec![[0.0; 2]; x.len()]);
         let mut found = Found { shares, slopes, energy: EnergySum::default() };
         let tiles = self.tiling.tiles(self.surface, &self.own);
