@@ -88,8 +88,7 @@ impl<'a, R: Real> Newton<'a, R> {
         let energy = self.look(problem, x);
         let model = &self.model;
         let sum = problem.sum_over_own_vertices(|place| model.energy_at(place));
-        let mean = sum / self.curves.crossings.max(1) as f64;
-        problem.barrier_follows = problem.barrier_follows.knowing(Some(mean));
+        problem.mean_energy = Some(sum / self.curves.crossings.max(1) as f64);
         problem.set_barrier(|place| model.energy_at(place));
         energy + self.gather(problem, x)
     }

@@ -7,7 +7,7 @@ use crate::materials::interfaces::Interfaces;
 use crate::materials::network::Curves;
 use crate::materials::newton::Newton;
 use crate::materials::start;
-use crate::optimize::{Conditions, Effort, Follows, Preset, Problem, Real, Status};
+use crate::optimize::{Conditions, Effort, Preset, Problem, Real, Status};
 
 /// Where the points of interfaces are, and how they got there.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -103,7 +103,7 @@ impl<'a> Solver<'a> {
             intervals: &[],
             flatness: &self.flatness,
             creases: None,
-            barrier_follows: Follows::under(self.settings.preset),
+            mean_energy: None,
             forces: None,
         }
     }

@@ -1,23 +1,20 @@
 //! What keeps vertices off the ends of their grid edges, thin parts alive and flat faces flat, and what
 //! pulls each of them with a force of its own.
 
-use crate::optimize::settings::Preset;
 use crate::parallel;
 
-/// The largest strength in proportion to an energy.
-const CAP: f64 = 0.01;
-/// The part of the strength for the energy at a vertex that one for the mean energy would have.
-const OF_EACH: f64 = 0.7;
-/// Strength for each unit of the energy at the vertex where that is above 1, as on parts of one
-/// voxel; below, it falls with the square of the energy, so that smooth surfaces know nothing of it.
-const ON_THIN_PARTS: f64 = 0.4;
+/// The largest strength that all vertices share.
+const SHARED_CAP: f64 = 0.01;
+/// Strength for each unit of the energy at the vertex itself where that is above 1, as on parts of one
+/// voxel; below, the share falls with the energy, so that smooth surfaces know nothing of it.
+const OWN_SHARE: f64 = 0.4;
 /// Strength at a vertex on a flat face along the grid.
 const ON_FLAT_FACES: f64 = 1.5;
 
 /// The sum of `−μ·log(4·x·(1 − x))` over the vertices, each with its own strength μ.
 ///
-/// What energies and voxels leave open a vertex decides for the middle of its grid edge. One part
-/// of the strength follows the energy, which says how far the shape is from what the
+/// What energies and voxels leave open a vertex decides for the middle of its grid edge. The shared
+/// part of the strength follows the mean energy, which says how far the shape is from what the
 /// energy likes best. The others stand where an energy that falls with growing size would lift a
 /// part as far as it can: around parts about one voxel thin, which curve strongly, and on flat faces
 /// along the grid, whose borders do. Where a vertex is known to lie in an interval, that takes the place
@@ -32,41 +29,15 @@ pub(crate) struct Barrier {
     anchors: Vec<f64>,
 }
 
-/// Whose energy the strength of the barrier follows.
-///
-/// A few steps come nearer to the truth with one strength everywhere, convergence with each vertex by itself.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Follows {
-    /// The mean of all vertices; this one where the problem has some of them only.
-    Mean(Option<f64>),
-    /// That of each vertex: what is far away has no influence.
-    Each,
-}
-
-impl Follows {
-    pub(crate) fn under(preset: Preset) -> Self {
-        match preset {
-            Preset::Exact => Self::Each,
-            Preset::Fast | Preset::Default => Self::Mean(None),
-        }
-    }
-
-    /// The same with what is known of the mean energy of all vertices.
-    pub(crate) fn knowing(self, mean: Option<f64>) -> Self {
-        match self {
-            Self::Mean(_) => Self::Mean(mean),
-            Self::Each => Self::Each,
-        }
-    }
-}
-
-/// The part of the strength away from thin parts and flat faces.
+/// The part of the strength that all vertices share.
 #[derive(Clone, Copy)]
-pub(super) enum Strength {
-    /// This part of an energy, see
+pub(super) enum Shared {
+    /// This part of their mean energy, see
     /// [`CurveFormula::barrier`](crate::energy::CurveFormula::barrier).
-    ByEnergy(f64, Follows),
-    /// Whatever the energy.
+    ByEnergy(f64),
+    /// This part of a mean energy that is known.
+    OfMean(f64, f64),
+    /// Whatever their energy.
     Fixed(f64),
 }
 
@@ -89,12 +60,13 @@ impl Barrier {
     /// Sets the strengths for vertices that lie so surely on flat faces and have these energies.
     pub(super) fn set(
         &mut self,
-        strength: Strength,
+        shared: Shared,
         flatness: &[f32],
         energy_of: impl Fn(usize) -> f64 + Sync,
     ) {
-        let (Strength::ByEnergy(factor, _) | Strength::Fixed(factor)) = strength;
-        self.is_set = factor > 0.0;
+        let (Shared::ByEnergy(strength) | Shared::OfMean(strength, _) | Shared::Fixed(strength)) =
+            shared;
+        self.is_set = strength > 0.0;
         if !self.is_set {
             return;
         }
@@ -103,19 +75,15 @@ impl Barrier {
             let sum = parallel::sum_blocks(count, |range| range.map(&energy_of).sum::<f64>());
             sum / count.max(1) as f64
         };
-        // One strength for all, and one for each unit of a vertex's own energy.
-        let (of_all, of_each) = match strength {
-            Strength::ByEnergy(part, Follows::Each) => (0.0, OF_EACH * part),
-            Strength::ByEnergy(part, Follows::Mean(known)) => {
-                ((part * known.unwrap_or_else(mean)).min(CAP), 0.0)
-            }
-            Strength::Fixed(strength) => (strength, 0.0),
+        let shared = match shared {
+            Shared::ByEnergy(part) => (part * mean()).min(SHARED_CAP),
+            Shared::OfMean(part, mean) => (part * mean).min(SHARED_CAP),
+            Shared::Fixed(strength) => strength,
         };
         parallel::fill(&mut self.strengths, |v| {
             let energy = energy_of(v);
-            let everywhere = of_all + (of_each * energy).min(CAP);
-            let on_thin = ON_THIN_PARTS * energy * energy.min(1.0);
-            (everywhere + on_thin + ON_FLAT_FACES * f64::from(flatness[v])) as f32
+            let own = OWN_SHARE * energy * energy.min(1.0);
+            (shared + own + ON_FLAT_FACES * f64::from(flatness[v])) as f32
         });
     }
 

@@ -90,8 +90,7 @@ impl<'a> Keeper<'a> {
             close(&mut all.rounds, Status::IterationLimit);
         }
         self.yields.clear();
-        let mut conditions = *conditions;
-        conditions.barrier_follows = conditions.barrier_follows.knowing(all.mean_energy);
+        let mut conditions = Conditions { mean_energy: all.mean_energy, ..*conditions };
         let mut gradient = self.restore(x);
         self.probe(&conditions, round, x, &gradient);
         for n in 0.. {
@@ -108,7 +107,7 @@ impl<'a> Keeper<'a> {
             let before = x.to_vec();
             let left = most_steps.saturating_sub(done);
             let mut relaxed = self.pull(&conditions, round, left, x, &gradient, &mut observer);
-            conditions.barrier_follows = conditions.barrier_follows.knowing(relaxed.mean_energy);
+            conditions.mean_energy = relaxed.mean_energy;
             let drift = self.drift(x);
             for (n, multiplier) in self.multipliers.iter_mut().enumerate() {
                 if !self.is_held[n] {

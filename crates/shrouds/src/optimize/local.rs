@@ -179,8 +179,7 @@ impl Local<'_> {
 
     fn conditions<'b>(&'b self, energy: &'b Energy) -> Conditions<'b> {
         let conditions = Conditions::new(self.surface, self.settings, energy, self.flatness);
-        let barrier_follows = conditions.barrier_follows.knowing(Some(self.mean_energy));
-        Conditions { barrier_follows, ..conditions }
+        Conditions { mean_energy: Some(self.mean_energy), ..conditions }
     }
 }
 

@@ -40,7 +40,6 @@ mod visit;
 
 pub use alone::minimise_vertex;
 pub(crate) use around::Univariate;
-pub(crate) use barrier::Follows;
 pub(crate) use conjugate::{Effort, Room, Workspace};
 pub use keep::keep_volumes;
 pub(crate) use local::{Local, flatness, update_flatness};

@@ -121,8 +121,7 @@ impl Piece<'_> {
     ) -> Found {
         let flatness = flat::flatness_within(self.volume, self.first, self.surface);
         let conditions = Conditions::new(self.surface, settings, &pass.energy, &flatness);
-        let barrier_follows = conditions.barrier_follows.knowing(mean_energy);
-        let conditions = Conditions { barrier_follows, ..conditions };
+        let conditions = Conditions { mean_energy, ..conditions };
         let (shares, slopes) = (vec![0; x.len()], vec![[0.0; 2]; x.len()]);
         let mut found = Found { shares, slopes, energy: EnergySum::default() };
         let tiles = self.tiling.tiles(self.surface, &self.own);

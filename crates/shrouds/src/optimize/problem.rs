@@ -5,7 +5,7 @@ use std::ops::{Add, Range};
 
 use crate::energy::{CurveEnergy, Energy, LANES, Support};
 use crate::network::{Network, REPEATED, Step};
-use crate::optimize::barrier::{Barrier, Follows, Strength};
+use crate::optimize::barrier::{Barrier, Shared};
 use crate::optimize::bounds::Bounds;
 use crate::optimize::crease::{self, Creases};
 use crate::optimize::real::Real;
@@ -31,9 +31,9 @@ pub(crate) struct Conditions<'a> {
     /// See [`flatness`](crate::optimize::flat::flatness).
     pub(crate) flatness: &'a [f32],
     pub(crate) creases: Option<Creases<'a>>,
-    /// Where the problem has a part of the surface only, the mean is known: what the barrier follows must
-    /// not depend on where the surface is cut.
-    pub(crate) barrier_follows: Follows,
+    /// The mean energy of the vertices of the whole surface, where the problem has a part of it only:
+    /// what the barrier follows must not depend on where the surface is cut.
+    pub(crate) mean_energy: Option<f64>,
     /// What pulls every vertex up its grid edge, or nothing.
     pub(crate) forces: Option<&'a [f32]>,
 }
@@ -55,7 +55,7 @@ impl<'a> Conditions<'a> {
             intervals: &[],
             flatness,
             creases: None,
-            barrier_follows: Follows::under(settings.preset),
+            mean_energy: None,
             forces: None,
         }
     }
@@ -71,7 +71,7 @@ pub(crate) struct Problem<'a, R> {
     pub(crate) bounds: Bounds<R>,
     pub(crate) barrier: Barrier,
     /// See [`Conditions`].
-    pub(crate) barrier_follows: Follows,
+    pub(crate) mean_energy: Option<f64>,
     /// How surely every vertex lies on a flat face along the grid.
     flatness: Vec<f32>,
     creases: Option<Creases<'a>>,
@@ -137,7 +137,7 @@ impl<'a, R: Real> Problem<'a, R> {
             creases: conditions.creases,
             thinness: conditions.creases.map(|creases| local(creases.thinness)).unwrap_or_default(),
             barrier: Barrier::none(network.vertex_count()),
-            barrier_follows: conditions.barrier_follows,
+            mean_energy: conditions.mean_energy,
             is_fixed: vec![false; network.vertex_count()],
             is_foreign: vec![false; network.vertex_count()],
             has_foreign: false,
@@ -245,11 +245,12 @@ impl<'a, R: Real> Problem<'a, R> {
     pub(crate) fn set_barrier(&mut self, of_place: impl Fn(usize) -> R + Sync) {
         let network = self.network;
         let of_vertex = |v| energy_of_vertex(network, v, &of_place);
-        let strength = match self.creases {
-            Some(creases) => Strength::Fixed(creases.barrier),
-            None => Strength::ByEnergy(self.energy.barrier(), self.barrier_follows),
+        let shared = match (self.creases, self.mean_energy) {
+            (Some(creases), _) => Shared::Fixed(creases.barrier),
+            (None, Some(mean)) => Shared::OfMean(self.energy.barrier(), mean),
+            (None, None) => Shared::ByEnergy(self.energy.barrier()),
         };
-        self.barrier.set(strength, &self.flatness, of_vertex);
+        self.barrier.set(shared, &self.flatness, of_vertex);
     }
 
     /// The energies that the barrier goes by, of all vertices that are not foreign.

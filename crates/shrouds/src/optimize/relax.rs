@@ -26,7 +26,7 @@ pub(super) struct Relaxed {
     pub(super) stationarity: Stationarity,
     /// See [`Problem::slopes`](crate::optimize::problem::Problem::slopes).
     pub(super) slopes: Vec<[f32; 2]>,
-    /// The mean energy of the vertices, where there are several tiles.
+    /// See [`Conditions`].
     pub(super) mean_energy: Option<f64>,
 }
 
@@ -67,7 +67,7 @@ pub(super) fn relax<R: Real>(
             work.converge(tolerance, most_steps.min(own_most), x, observer);
         }
     }
-    work.relaxed
+    Relaxed { mean_energy: work.conditions.mean_energy, ..work.relaxed }
 }
 
 /// A surface with what was found out about it so far.
@@ -223,8 +223,7 @@ impl Work<'_> {
         let status = pass.status;
         if !self.is_one_tile(vertices) {
             let mean = pass.energy_of_vertices.mean(vertices as u64);
-            self.conditions.barrier_follows = self.conditions.barrier_follows.knowing(Some(mean));
-            self.relaxed.mean_energy = Some(mean);
+            self.conditions.mean_energy = Some(mean);
         }
         self.relaxed.stationarity = pass.stationarity;
         self.relaxed.rounds.extend(pass.into_rounds());
