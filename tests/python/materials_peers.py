@@ -205,7 +205,7 @@ def main():
             wrong = int(wrong_points(labels, points, triangles, pairs).sum())
             print(
                 f"| {path.name} | {tool} | {len(triangles)} | {wrong} | {100 * wrong / labels.size:.3f} "
-                f"| {open_edges(triangles, pairs)} | {seconds:.1f} |",
+                f"| {open_edges(triangles, pairs)} | {seconds:.2f} |",
                 flush=True,
             )
     for name in words[picture + 1 :]:

@@ -15,6 +15,7 @@ mod cell;
 mod ends;
 mod face;
 mod interfaces;
+mod keep;
 mod labels;
 mod lines;
 mod marks;
@@ -29,6 +30,7 @@ mod start;
 mod window;
 
 pub use interfaces::{Interfaces, Junction};
+pub use keep::LabelVolume;
 pub use labels::Labels;
 pub use mesh::MaterialMesh;
 pub use optimize::{Optimum, Report};

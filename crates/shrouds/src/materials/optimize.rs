@@ -4,6 +4,7 @@ use crate::energy::{Bending, CurveEnergy, Energy, Variation};
 use crate::error::Error;
 use crate::materials::Settings;
 use crate::materials::interfaces::Interfaces;
+use crate::materials::keep::LabelVolume;
 use crate::materials::network::Curves;
 use crate::materials::newton::Newton;
 use crate::materials::start;
@@ -28,6 +29,8 @@ pub struct Report {
     pub status: Status,
     /// The energy at the start of every pass, with its weights and barrier, and after each of its steps.
     pub passes: Vec<Vec<f64>>,
+    /// What labels enclose whose volumes were kept, ascending; else empty.
+    pub volumes: Vec<LabelVolume>,
 }
 
 impl Report {

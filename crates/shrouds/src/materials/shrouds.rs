@@ -4,10 +4,11 @@ use std::time::Instant;
 
 use crate::error::Error;
 use crate::materials::interfaces::Interfaces;
+use crate::materials::keep::{LabelVolume, keep_volumes};
 use crate::materials::labels::Labels;
 use crate::materials::mesh::MaterialMesh;
 use crate::materials::optimize::{Optimum, Report, optimize};
-use crate::optimize::{Preset, Start};
+use crate::optimize::{ComponentVolume, Preset, Start, VolumeRule};
 use crate::pipeline::{self, Times};
 use crate::settings;
 use crate::volume::{FaceRule, Occupancy};
@@ -28,6 +29,10 @@ pub struct Settings {
     /// [`Preset::Exact`] stops when the root mean square of a step, in edge lengths, falls to this.
     /// Range (0, 1); default 5e-4.
     pub tolerance: f64,
+    /// Whether volumes are kept: with [`VolumeRule::Keep`] the boundary of every label encloses the volume of its
+    /// voxels, as far as the bounds allow. Interfaces then move evenly from where the energy has them. Default
+    /// [`VolumeRule::Free`].
+    pub volume: VolumeRule,
     /// The most Gauss–Newton steps of [`Preset::Exact`] on its last energy. Default 100.
     pub max_iterations: usize,
 }
@@ -40,6 +45,7 @@ impl Default for Settings {
             start: Start::default(),
             margin: 0.002,
             tolerance: 5e-4,
+            volume: VolumeRule::default(),
             max_iterations: 100,
         }
     }
@@ -72,6 +78,7 @@ impl Settings {
                 start: self.start.clone(),
                 margin: self.margin,
                 tolerance: Some(self.tolerance),
+                volume: self.volume,
                 max_iterations: Some(self.max_iterations),
                 ..Default::default()
             },
@@ -109,9 +116,14 @@ pub fn shrouds(labels: Labels, settings: &Settings) -> Result<Shrouds, Error> {
     }
     let mut times = Times::default();
     let interfaces = timed(&mut times.surface, || Interfaces::extract(labels, settings.faces))?;
-    let Optimum { unknowns, slopes, report } =
+    let Optimum { unknowns, slopes, mut report } =
         timed(&mut times.optimize, || optimize(&interfaces, settings))?;
-    let mesh = timed(&mut times.mesh, || MaterialMesh::span(&interfaces, &unknowns, &slopes));
+    let mut mesh = timed(&mut times.mesh, || MaterialMesh::span(&interfaces, &unknowns, &slopes));
+    if settings.volume == VolumeRule::Keep {
+        let bounds = [settings.margin, 1.0 - settings.margin];
+        report.volumes =
+            timed(&mut times.optimize, || keep_volumes(&interfaces, bounds, &unknowns, &mut mesh));
+    }
     let (crossings, junctions) = (interfaces.crossings().len(), interfaces.junctions().len());
     Ok(Shrouds { mesh, report, times, crossings, junctions })
 }
@@ -127,13 +139,22 @@ fn of_two_labels(labels: &Labels, label: i64, settings: &Settings) -> Result<Shr
         surface: shroud.mesh,
         lines: Vec::new(),
     };
-    let report = Report { status: shroud.report.status, passes };
+    let volumes = of_components(label, &shroud.report.volumes).into_iter().collect();
+    let report = Report { status: shroud.report.status, passes, volumes };
     Ok(Shrouds { mesh, report, times: shroud.times, crossings, junctions: 0 })
+}
+
+/// What the components of a label enclose together, where their volumes were kept.
+fn of_components(label: i64, volumes: &[ComponentVolume]) -> Option<LabelVolume> {
+    let sum = |part: fn(&ComponentVolume) -> f64| volumes.iter().map(part).sum();
+    let is_held = volumes.iter().any(|volume| volume.is_held);
+    let (target, reached) = (sum(|volume| volume.target), sum(|volume| volume.reached));
+    (!volumes.is_empty()).then_some(LabelVolume { label, target, reached, is_held })
 }
 
 fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {
     let start = Instant::now();
     let result = work();
-    *seconds = start.elapsed().as_secs_f64();
+    *seconds += start.elapsed().as_secs_f64();
     result
 }

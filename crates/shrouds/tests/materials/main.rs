@@ -3,6 +3,7 @@
 // The helpers are tests too.
 #![allow(clippy::unwrap_used)]
 
+mod kept;
 mod random;
 mod shapes;
 mod two_labels;
