@@ -111,6 +111,7 @@ def materials(
     max_iterations: int | None = None,
     start: str | None = None,
     margin: float | None = None,
+    volume: Literal["free", "keep"] | None = None,
     faces: Literal["separate", "join"] | None = None,
     threads: int | None = None,
     **place: Unpack[Place],
@@ -124,6 +125,8 @@ def materials(
         An array of whole numbers of three dimensions, or a :class:`Volume`. 0 is the background.
     preset, tolerance, max_iterations, start, margin, faces, threads
         As for :func:`shroud`.
+    volume
+        ``"keep"`` has every label enclose as many voxel volumes as it has voxels.
     **place
         Where the volume lies: ``spacing``, ``origin``, ``affine`` and ``axes`` of :func:`shroud`.
 
@@ -161,6 +164,7 @@ def materials(
         "max_iterations": max_iterations,
         "start": start,
         "margin": margin,
+        "volume": volume,
         "faces": faces,
     }
     seconds = time.perf_counter() - begin

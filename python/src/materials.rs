@@ -23,8 +23,8 @@ use crate::work::run_quietly;
 use crate::{error, json};
 
 /// The settings that interfaces have.
-pub(crate) const NAMES: [&str; 6] =
-    ["faces", "preset", "start", "margin", "tolerance", "max_iterations"];
+pub(crate) const NAMES: [&str; 7] =
+    ["faces", "preset", "start", "margin", "tolerance", "max_iterations", "volume"];
 
 /// Interfaces, besides their arrays.
 #[pyclass(frozen, module = "shrouds._native")]
@@ -94,6 +94,7 @@ fn of_materials(settings: &Settings) -> materials::Settings {
         start: own.start.clone(),
         margin: own.margin,
         tolerance: own.tolerance(),
+        volume: own.volume,
         max_iterations: own.max_iterations(),
     }
 }

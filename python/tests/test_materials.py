@@ -44,6 +44,17 @@ def test_interfaces_are_there_once(labels):
         made.closed(4)
 
 
+def test_labels_enclose_their_voxels(labels):
+    made = shrouds.materials(labels, volume="keep")
+    kept = made.report["solver"]["kept_volumes"]
+    assert kept["labels"] == len(made.labels)
+    assert kept["held"] == []
+    assert kept["relative_error"] < 1e-9
+    for label in made.labels:
+        # Positions are handed out in single precision.
+        assert made.to_trimesh(label).volume == pytest.approx((labels == label).sum(), rel=1e-6)
+
+
 def test_files_and_report_are_those_of_the_program(program, labels, tmp_path):
     np.save(tmp_path / "labels.npy", labels)
     theirs = json.loads(

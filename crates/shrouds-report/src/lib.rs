@@ -11,8 +11,8 @@ mod report;
 pub mod vector;
 
 pub use materials::{
-    Contact, LabelChecks, LabelReport, MaterialSolver, MaterialTopology, Materials, contacts,
-    label_reports,
+    Contact, KeptVolumes, LabelChecks, LabelReport, MaterialSolver, MaterialTopology, Materials,
+    contacts, label_reports,
 };
 pub use report::{
     Checks, FirstLast, FoundExpected, Geometry, Lattice, RmsMax, RoundReport, SolverReport, Times,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 use shrouds::check::{CheckSettings, check};
-use shrouds::materials::{Labels, MaterialMesh, Shrouds};
+use shrouds::materials::{LabelVolume, Labels, MaterialMesh, Shrouds};
 use shrouds::{Error, Occupancy, TriMesh};
 
 /// Everything about the interfaces of a volume but where the volume came from.
@@ -48,6 +48,43 @@ pub struct MaterialSolver {
     pub iterations: usize,
     /// At the start of every pass and after each step.
     pub energies: Vec<Vec<f64>>,
+    /// How well volumes were kept, if they were to be.
+    pub kept_volumes: Option<KeptVolumes>,
+}
+
+/// How near labels came to the volumes of their voxels.
+#[derive(Debug, Clone, Serialize)]
+pub struct KeptVolumes {
+    /// How many labels were to.
+    pub labels: usize,
+    /// The largest difference of those that the bounds do not keep from it, as a part of the volume.
+    pub relative_error: f64,
+    /// Those that they do.
+    pub held: Vec<i64>,
+}
+
+impl KeptVolumes {
+    fn new(volumes: &[LabelVolume]) -> Option<Self> {
+        let held = volumes.iter().filter(|volume| volume.is_held).map(|volume| volume.label);
+        let others = volumes.iter().filter(|volume| !volume.is_held);
+        let error = others.map(|volume| (volume.reached / volume.target - 1.0).abs());
+        (!volumes.is_empty()).then(|| Self {
+            labels: volumes.len(),
+            relative_error: error.fold(0.0, f64::max),
+            held: held.collect(),
+        })
+    }
+
+    /// The same in words.
+    pub fn summary(&self) -> String {
+        let Self { labels, relative_error, held } = self;
+        match held.len() {
+            0 => format!("volumes of {labels} labels kept to {relative_error:.0e}"),
+            held => format!(
+                "volumes of {labels} labels kept to {relative_error:.0e}, but for {held} held by the bounds"
+            ),
+        }
+    }
 }
 
 /// A label with its closed boundary, in world units.
@@ -154,6 +191,7 @@ impl Materials {
                 status: made.report.status.name(),
                 iterations: made.report.steps(),
                 energies: made.report.passes.clone(),
+                kept_volumes: KeptVolumes::new(&made.report.volumes),
             },
             labels,
             contacts: contacts(mesh),
