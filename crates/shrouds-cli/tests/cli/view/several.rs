@@ -179,7 +179,7 @@ fn what_interfaces_have_not_is_said() {
     }
     run(&mut page);
     let brush =
-        json!({ "do": "brush", "slot": "a", "add": true, "centre": [8, 8, 8], "radius": 2 });
+        json!({ "do": "brush", "slot": "a", "add": false, "centre": [8, 8, 8], "radius": 2 });
     for (request, part) in [
         (json!({ "do": "step", "view": 0 }), "in one piece"),
         (json!({ "do": "pause", "view": 0 }), "in one piece"),
