@@ -13,7 +13,8 @@ pub(crate) const AZIMUTH: f64 = -75.0;
 pub(crate) const ELEVATION: f64 = 40.0;
 
 pub(crate) const DEMO_HELP: &str = "\
-Phantoms: tori, ball, ellipsoid, box, gyroid, letters (or letters:TEXT), point, rod, plate, noise
+Phantoms: tori, ball, ellipsoid, box, gyroid, letters (or letters:TEXT), point, rod, plate, noise,
+and cells, a ball of twelve labels, the surface of which is that of the ball
 Figures of the paper: figure1 to figure11, or figures for all of them and a page about them
 
 Example, a larger gyroid into a folder of its own, its slice curves on the picture:
@@ -33,8 +34,9 @@ Every label a mesh of its own, in a folder, and all of them in one file for a vi
   shrouds mesh organs.nii.gz --labels all -o organs
   shrouds mesh organs.nii.gz --labels all -o organs.glb
 
-The interfaces between all labels, which meet without gaps, and the areas of all contacts:
+The interfaces between all labels, which meet without gaps, and the areas of all contacts; or between some:
   shrouds mesh organs.nii.gz --materials -o organs.vtp --report organs.json
+  shrouds mesh organs.nii.gz --materials --label 6 --label 7 -o two.ply
 
 The same as near to the minimum as it gets, or else exit code 3:
   shrouds mesh organs.nii.gz --label 6 -o liver.ply --strict
@@ -121,9 +123,10 @@ pub(crate) struct MeshArgs {
     pub(crate) each: Option<Each>,
     /// The interfaces between all labels in one mesh, each there once and with both its labels, and the
     /// lines where three or more meet; to a folder, a closed mesh for each label but 0, whose triangles
-    /// are those of its neighbours where they touch
+    /// are those of its neighbours where they touch. With --label only those labels, at least two; the
+    /// others count as background
     #[arg(long, group = "several",
-        conflicts_with_all = ["each", "labels", "threshold", "rough", "certificate", "attributes"])]
+        conflicts_with_all = ["each", "threshold", "rough", "certificate", "attributes"])]
     pub(crate) materials: bool,
     /// Format of the files in a folder
     #[arg(long, value_name = "EXTENSION", requires = "several",

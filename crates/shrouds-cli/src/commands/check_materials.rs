@@ -1,6 +1,6 @@
 //! `shrouds check` of a mesh of several materials: every label against its lattice points.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use serde::Serialize;
@@ -10,6 +10,7 @@ use shrouds::volume::Border;
 use shrouds_report::{Contact, LabelChecks, LabelReport, contacts, label_reports};
 
 use crate::args::{CheckArgs, FrameChoice};
+use crate::commands::mesh::materials::names;
 use crate::console::{Console, grouped, print_json};
 use crate::failure::Failure;
 use crate::input;
@@ -48,8 +49,7 @@ pub(super) fn run(
     };
     let labels = labels(volume, &args.selection, &lattice, &progress)?;
     progress.stage("checking");
-    let names = contents.segments.iter().map(|segment| (segment.label, segment.name.clone()));
-    let names: BTreeMap<i128, String> = names.collect();
+    let names = names(&contents);
     let reports = label_reports(&labels, &names, mesh)?;
     let known: BTreeSet<i64> = labels.values().iter().copied().collect();
     let report = Report {
@@ -79,7 +79,7 @@ fn refuse_other_settings(args: &CheckArgs) -> Result<(), Failure> {
         (args.faces.is_some(), "--faces"),
         (args.border == Some(Border::Open), "--border open"),
         (args.all_axes, "--all-axes"),
-        (!args.selection.labels.is_empty(), "--label"),
+        (args.selection.labels.len() == 1, "--label"),
         (args.selection.threshold.is_some(), "--threshold"),
     ];
     match given.into_iter().find(|(is_given, _)| *is_given) {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use shrouds::mesh::MeshKind;
-use shrouds_io::write_npy;
+use shrouds_io::{write_labels, write_npy};
 
 use crate::args::DemoArgs;
 use crate::commands::figures;
@@ -41,9 +41,15 @@ pub(crate) fn run(args: &DemoArgs, console: Console) -> Result<(), Failure> {
     let progress = Progress::new(console.quiet);
     progress.stage("building the phantom");
     let size = phantom::size(&args.name, args.size);
-    let source = phantom::source(&args.name, size, args.output.join(VOLUME), start)?;
+    let (source, labels) = phantom::labelled(&args.name, size, args.output.join(VOLUME), start)?;
     let files = Files::in_folder(&args.output)?;
-    write_npy(&files.volume, &source.occupancy)?;
+    match labels {
+        Some(labels) => {
+            let labels = labels.iter().map(|&label| label.into());
+            write_labels(&files.volume, &source.lattice, labels, &source.frame)?;
+        }
+        None => write_npy(&files.volume, &source.occupancy)?,
+    }
     let outputs =
         Outputs { mesh: &files.mesh, picture: Some(&files.picture), report: Some(&files.report) };
     let extras = Extras { network: args.network, ..Extras::default() };

@@ -10,7 +10,7 @@ mod edit;
 mod figures;
 mod info;
 mod measure;
-mod mesh;
+pub(crate) mod mesh;
 mod network;
 mod pack;
 mod polygon;

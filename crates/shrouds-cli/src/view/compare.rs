@@ -9,6 +9,7 @@ use super::typed::Typed;
 use super::volumes::Name;
 use super::worker::{Ended, Worker};
 use crate::commands::compare::{Row, candidates};
+use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::truth::Body;
 
@@ -22,6 +23,10 @@ impl Worker {
     ) -> Result<(), Ended> {
         let data = self.data(slot)?;
         let typed = Typed::read(settings)?;
+        if typed.materials {
+            let message = "energies are compared on one body; leave 'materials' out";
+            return Err(Failure::Call(message.into()).into());
+        }
         let list = (!energies.is_empty()).then(|| energies.join(";"));
         let candidates = candidates(list.as_deref(), &typed.args.solve)?;
         let body = match &data.name {

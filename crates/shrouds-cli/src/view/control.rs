@@ -17,6 +17,15 @@ pub(super) enum Wish {
     Cancel,
 }
 
+/// What is to become of work that cannot be stopped on its way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Fate {
+    Wanted,
+    Cancelled,
+    /// Something else is shown in its view, or nobody is there.
+    Forgotten,
+}
+
 /// What page and solver of a view have in common. The page gets new positions when it has drawn those
 /// before; what it could not get meanwhile it never gets.
 #[derive(Default)]
@@ -35,6 +44,8 @@ struct State {
     is_closed: bool,
     /// Number of the newest packing; those before must end.
     packing: u64,
+    /// Whether the work of this view has no steps.
+    is_in_one_piece: bool,
     /// The surface of the positions that the page has and has not drawn yet.
     drawing: Option<u32>,
     /// The newest positions that came meanwhile.
@@ -94,6 +105,25 @@ impl Control {
     /// Whether this packing is still the newest.
     pub(super) fn is_packing(&self, number: u64) -> bool {
         self.lock().packing == number
+    }
+
+    /// Says whether the work of this view can pause and be done step by step.
+    pub(super) fn set_in_one_piece(&self, is_in_one_piece: bool) {
+        self.lock().is_in_one_piece = is_in_one_piece;
+    }
+
+    pub(super) fn is_in_one_piece(&self) -> bool {
+        self.lock().is_in_one_piece
+    }
+
+    /// What is to become of work in one piece, as it is wished now.
+    pub(super) fn fate(&self, work: u64) -> Fate {
+        let state = self.lock();
+        match () {
+            () if state.is_closed || state.ended >= work => Fate::Forgotten,
+            () if state.wish == Wish::Cancel => Fate::Cancelled,
+            () => Fate::Wanted,
+        }
     }
 
     /// Whether this work is to end. Calls `pausing` before it waits.

@@ -7,7 +7,7 @@ use serde_json::json;
 use shrouds::Occupancy;
 use shrouds::live::Ranges;
 
-use super::request::{Slot, ViewNumber};
+use super::request::Slot;
 use super::volumes::{Data, Name};
 use super::worker::{Ended, Worker};
 use crate::failure::Failure;
@@ -154,6 +154,7 @@ impl Worker {
             let message = format!("a brush has a centre and a radius of at most {LARGEST} voxels");
             return Err(Failure::Call(message).into());
         }
+        self.views_to_change(slot)?;
         let data = self.data_mut(slot)?;
         let edit = Edit { stroke, ..Edit::ball(&data.source.occupancy, ball) };
         let change = data.turn(&edit);
@@ -164,6 +165,7 @@ impl Worker {
     }
 
     pub(super) fn undo(&mut self, id: u64, slot: Slot, follow: bool) -> Result<(), Ended> {
+        self.views_to_change(slot)?;
         let data = self.data_mut(slot)?;
         let edit = data.edits.done.pop().ok_or_else(nothing)?;
         let change = data.turn(&edit);
@@ -172,6 +174,7 @@ impl Worker {
     }
 
     pub(super) fn redo(&mut self, id: u64, slot: Slot, follow: bool) -> Result<(), Ended> {
+        self.views_to_change(slot)?;
         let data = self.data_mut(slot)?;
         let edit = data.edits.undone.pop().ok_or_else(nothing)?;
         let change = data.turn(&edit);
@@ -188,7 +191,7 @@ impl Worker {
         follow: bool,
         Change { before, region, voxels }: &Change,
     ) -> Result<(), Ended> {
-        let views: Vec<ViewNumber> = if *voxels > 0 { self.views_on(slot) } else { Vec::new() };
+        let views = if *voxels > 0 { self.views_to_change(slot)? } else { Vec::new() };
         let mut about = Vec::new();
         for view in views {
             let followed = if follow { self.follow(view, before, region.clone())? } else { None };

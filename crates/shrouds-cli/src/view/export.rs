@@ -9,7 +9,7 @@ use super::numbers::packed;
 use super::request::ViewNumber;
 use super::surface::Surface;
 use super::volumes::Name;
-use super::worker::{Ended, Worker};
+use super::worker::{Ended, Shown, Worker};
 use crate::args::FrameChoice;
 use crate::console::Console;
 use crate::failure::Failure;
@@ -37,10 +37,19 @@ impl Worker {
                 Failure::Call(format!("there is no format '{format}'; there are {known}")).into()
             );
         }
-        let surface = self.surface(view)?;
         self.page.progress("writing", None);
-        let name = format!("{}.{format}", stem(&surface.name));
-        let download = self.files.offer(&name, |path| write(surface, path, frame))?;
+        let (name, download) = match self.shown(view)? {
+            Shown::Body(surface) => {
+                let name = format!("{}.{format}", stem(&surface.name));
+                let download = self.files.offer(&name, |path| write(surface, path, frame))?;
+                (name, download)
+            }
+            Shown::Several(several) => {
+                let name = format!("{}.{format}", stem(&several.name));
+                let download = self.files.offer(&name, |path| several.write(path, frame))?;
+                (name, download)
+            }
+        };
         self.exports.push_back(download.clone());
         if self.exports.len() > KEPT {
             self.exports.pop_front().iter().for_each(|id| self.files.forget(id));

@@ -2,7 +2,8 @@
 //!
 //! A message comes in ([`request`]), is answered at once if it is about work that goes on ([`control`]), or
 //! else waits for the one who does all that takes time, a [`worker`] with the volumes ([`volumes`]) and the
-//! surfaces ([`surface`]) of the session. A solver has a thread of its own ([`solver`]). Settings are read
+//! surfaces ([`surface`]) of the session. A solver has a thread of its own ([`solver`]); the interfaces of
+//! several labels ([`several`]) are made in one piece on a thread of the session. Settings are read
 //! by the parser of the command line ([`typed`]), and volumes, reports and numbers come from the
 //! functions of the other verbs: what the page shows is what they would write.
 //!
@@ -12,6 +13,7 @@ mod compare;
 mod control;
 mod edit;
 mod export;
+
 mod look;
 mod numbers;
 mod page;
@@ -19,6 +21,7 @@ mod pick;
 mod place;
 mod request;
 mod scene;
+mod several;
 mod sizes;
 mod solver;
 mod surface;
@@ -42,6 +45,10 @@ use worker::Worker;
 const VIEWS: usize = 4;
 /// Requests that wait for the worker.
 const WAITING: usize = 256;
+
+/// Why interfaces of several labels do neither pause nor step.
+const IN_ONE_PIECE: &str =
+    "the interfaces of several labels are made in one piece: run or cancel them";
 
 /// What all sessions begin with.
 pub(crate) struct Host {
@@ -86,14 +93,23 @@ impl Session {
             (Task::Ack { revision, .. }, Some(control)) => {
                 return control.acknowledge(&self.page, *revision);
             }
-            (Task::Pause { .. }, Some(control)) => control.wish(Wish::Pause),
+            (Task::Pause { .. }, Some(control)) if !control.is_in_one_piece() => {
+                control.wish(Wish::Pause);
+            }
             (Task::Cancel { .. }, Some(control)) => {
                 control.wish(Wish::Cancel);
                 control.end_packing();
             }
             (Task::Run { .. }, Some(control)) => control.wish(Wish::Run),
-            (Task::Step { .. }, Some(control)) => control.wish(Wish::Step),
+            (Task::Step { .. }, Some(control)) if !control.is_in_one_piece() => {
+                control.wish(Wish::Step);
+            }
             _ => {}
+        }
+        if let (Task::Pause { .. } | Task::Step { .. }, Some(control)) = (&request.task, control)
+            && control.is_in_one_piece()
+        {
+            return self.page.refuse_at_once(Some(request.id), IN_ONE_PIECE);
         }
         if matches!(request.task, Task::Pause { .. } | Task::Cancel { .. }) {
             return self.page.agree_at_once(request.id);

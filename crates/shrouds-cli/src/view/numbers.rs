@@ -7,17 +7,20 @@ use shrouds_report::looks::roughness;
 
 use super::request::ViewNumber;
 use super::surface::Surface;
-use super::typed;
+use super::typed::{self, Typed};
 use super::volumes::Name;
-use super::worker::{Ended, Worker};
+use super::worker::{Ended, Shown, Worker};
 use crate::failure::Failure;
 use crate::report::{Report, peak_memory};
 use crate::work;
 
 impl Worker {
     pub(super) fn numbers(&self, id: u64, view: ViewNumber) -> Result<(), Ended> {
-        let surface = self.surface(view)?;
         self.page.progress("measuring", None);
+        if let Shown::Several(several) = self.shown(view)? {
+            return self.answer(id, &several.numbers()?);
+        }
+        let surface = self.surface(view)?;
         let shroud = surface.now();
         let report = judged(surface, &shroud)?;
         let Report { topology, geometry, checks, times, .. } = &report;
@@ -48,6 +51,9 @@ impl Worker {
     }
 
     pub(super) fn report(&self, id: u64, view: ViewNumber) -> Result<(), Ended> {
+        if let Shown::Several(several) = self.shown(view)? {
+            return self.answer(id, &json!({ "report": several.report()? }));
+        }
         let surface = self.surface(view)?;
         let mut report = judged(surface, &*surface.result()?)?;
         let times = &mut report.times;
@@ -57,26 +63,36 @@ impl Worker {
     }
 
     pub(super) fn command(&self, id: u64, view: ViewNumber) -> Result<(), Ended> {
-        let surface = self.surface(view)?;
-        let settings = surface.typed.words.iter().map(String::as_str);
-        let reading = surface.words.iter().map(String::as_str);
-        let command = match &surface.name {
-            Name::Demo(name, size) => {
-                let size = format!("--size={size}");
-                typed::quoted(["shrouds", "demo", name, &size].into_iter().chain(settings))
-            }
-            Name::File(path) => {
-                let words = ["shrouds", "mesh", path].into_iter().chain(reading).chain(settings);
-                typed::quoted(words.chain(["-o", "mesh.ply"]))
-            }
-            Name::Made(_) => {
-                let words = ["shrouds", "mesh", "volume.nii.gz"].into_iter().chain(settings);
-                typed::quoted(words.chain(["-o", "mesh.ply"]))
-            }
+        let (name, reading, typed) = match self.shown(view)? {
+            Shown::Body(surface) => (&surface.name, &surface.words, &surface.typed),
+            Shown::Several(several) => (&several.name, &several.words, &several.typed),
         };
-        let note = matches!(surface.name, Name::Made(_))
+        let note = matches!(name, Name::Made(_))
             .then_some("export the volume first, as volume.nii.gz: it was made or changed here");
+        let command = command_line(name, reading, typed);
         self.answer(id, &json!({ "command": command, "note": note }))
+    }
+}
+
+/// The call that makes the same, with the options that select the volume. Of the labels of a demo it takes two.
+fn command_line(name: &Name, reading: &[String], typed: &Typed) -> String {
+    let settings = typed.words.iter().map(String::as_str);
+    let mesh = |path: &str| {
+        let reading = reading.iter().map(String::as_str);
+        let words = ["shrouds", "mesh", path].into_iter().chain(reading).chain(settings.clone());
+        typed::quoted(words.chain(["-o", "mesh.ply"]))
+    };
+    match name {
+        Name::Demo(name, size) => {
+            let size = format!("--size={size}");
+            let demo = ["shrouds", "demo", name, &size];
+            if typed.materials || !reading.is_empty() {
+                return format!("{} && {}", typed::quoted(demo), mesh("shrouds-demo/volume.npy"));
+            }
+            typed::quoted(demo.into_iter().chain(settings))
+        }
+        Name::File(path) => mesh(path),
+        Name::Made(_) => mesh("volume.nii.gz"),
     }
 }
 

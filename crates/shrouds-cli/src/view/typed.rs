@@ -7,6 +7,7 @@ use shrouds::optimize::Start;
 
 use super::request::Settings;
 use crate::args::{FrameChoice, ShroudArgs, VolumeArgs};
+use crate::commands::mesh::materials::SETTINGS;
 use crate::failure::Failure;
 use crate::settings::Job;
 
@@ -16,6 +17,9 @@ use crate::settings::Job;
 struct Making {
     #[command(flatten)]
     shroud: ShroudArgs,
+    /// The interfaces between all labels that are chosen, at least two, in place of one body
+    #[arg(long)]
+    materials: bool,
 }
 
 /// How a volume is read.
@@ -32,6 +36,8 @@ pub(super) struct Typed {
     /// The options of the call.
     pub(super) words: Vec<String>,
     pub(super) args: ShroudArgs,
+    /// Whether the interfaces between labels are wanted.
+    pub(super) materials: bool,
 }
 
 impl Typed {
@@ -48,8 +54,8 @@ impl Typed {
         let words: Vec<Option<String>> =
             given.map(|(name, value)| word(name, value)).collect::<Result<_, _>>()?;
         let words: Vec<String> = words.into_iter().flatten().collect();
-        let Making { shroud } = parse(&words)?;
-        Ok(Self { words, args: shroud })
+        let Making { shroud, materials } = parse(&words)?;
+        Ok(Self { words, args: shroud, materials })
     }
 
     /// Checked settings, as `shrouds mesh` has them.
@@ -92,6 +98,9 @@ pub(super) fn choices() -> Value {
     let named = command.get_arguments().filter_map(|arg| Some((arg.get_long()?.to_owned(), arg)));
     let entries = named.enumerate().map(|(order, (name, arg))| (name, choice(order, arg)));
     let mut choices: Map<String, Value> = entries.collect();
+    for (name, choice) in &mut choices {
+        choice["materials"] = (name == "materials" || SETTINGS.contains(&name.as_str())).into();
+    }
     // Not a choice on the command line, where a seed can follow.
     if let Some(start) = choices.get_mut("start") {
         let known = [Start::Blur, Start::Midpoint, Start::Inside, Start::Outside, Start::Random(1)];
@@ -137,6 +146,7 @@ pub(super) fn quoted<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::commands::mesh::materials::refuse_other_settings;
 
     fn typed(settings: Value) -> Result<Typed, Failure> {
         Typed::read(settings.as_object().unwrap())
@@ -148,7 +158,7 @@ mod tests {
             "energy": "bending+0.3*variation", "max-iterations": 7, "preset": "exact", "crease": null,
             "strict": true, "start": "random:3",
         });
-        let Typed { words, args } = typed(given).unwrap();
+        let Typed { words, args, .. } = typed(given).unwrap();
         let expected = [
             "--energy=bending+0.3*variation",
             "--preset=exact",
@@ -186,6 +196,35 @@ mod tests {
         assert_eq!(choices["strict"]["flag"], true);
         assert_eq!(choices["tolerance"]["text"], true);
         assert!(choices.as_object().unwrap().values().all(|entry| entry["help"] != ""));
+    }
+
+    #[test]
+    fn what_interfaces_have_not_is_refused_with_them() {
+        let refused = [
+            ("energy", json!("linear")),
+            ("crease", json!(true)),
+            ("parameter", json!("chord")),
+            ("solver", json!("sweeps")),
+            ("volume", json!("keep")),
+            ("border", json!("open")),
+            ("surface", json!("dual")),
+            ("triangles", json!("fixed")),
+            ("strict", json!(true)),
+        ];
+        let mut known: Vec<String> = refused.iter().map(|(name, _)| (*name).to_owned()).collect();
+        for (name, value) in refused {
+            let args = typed(json!({ name: value, "materials": true })).unwrap().args;
+            let failure = refuse_other_settings(&args).unwrap_err();
+            assert!(failure.message().contains(name), "{}", failure.message());
+        }
+        // All others they have.
+        let choices = choices();
+        let others = choices.as_object().unwrap().iter();
+        let others = others.filter(|(_, choice)| choice["materials"] == false);
+        let mut others: Vec<String> = others.map(|(name, _)| name.clone()).collect();
+        known.sort();
+        others.sort();
+        assert_eq!(known, others);
     }
 
     #[test]

@@ -1,11 +1,13 @@
 //! The volumes of a session: read, selected from, made of each other.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
 use serde_json::{Value, json};
 use shrouds::Occupancy;
+use shrouds::materials::Labels;
 use shrouds::volume::{self, Border};
 use shrouds_io::{Contents, Frame, Volume, VolumeOptions, read_contents, read_volume};
 use shrouds_view::server::{Files, Upload};
@@ -15,9 +17,11 @@ use super::page::Page;
 use super::request::{Origin, Slot};
 use super::typed;
 use crate::args::{Operation, VolumeArgs};
+use crate::commands::mesh::materials::names;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::input::{self, Source};
+use crate::materials::labels_of;
 use crate::phantom;
 use crate::progress::Progress;
 use crate::selection::Selection;
@@ -107,8 +111,22 @@ impl Data {
         }
         let size = phantom::size(name, size);
         let path = PathBuf::from(format!("demo:{name}"));
-        let source = phantom::source(name, size, path, Instant::now())?;
-        Ok(Self::new(source, Name::Demo(name.into(), size)))
+        let start = Instant::now();
+        let (source, labels) = phantom::labelled(name, size, path.clone(), start)?;
+        let name = Name::Demo(name.into(), size);
+        match labels {
+            Some(labels) => {
+                let volume = Volume {
+                    grid: source.lattice,
+                    values: labels.into(),
+                    frame: source.frame,
+                    contents: Contents::default(),
+                };
+                let values = Values::new(volume, path, Vec::new(), Contents::default(), None);
+                Self::select(&Arc::new(values), name, &[], start)
+            }
+            None => Ok(Self::new(source, name)),
+        }
     }
 
     /// A volume without values.
@@ -170,6 +188,22 @@ impl Data {
         let warnings = values.contents.warnings.clone();
         let values = Some(values.clone());
         Ok(Self { values, words, warnings, ..Self::new(source, name) })
+    }
+
+    /// The labels that are chosen, at least two besides the background, and the names they have.
+    pub(super) fn materials(&self) -> Result<(Labels, BTreeMap<i128, String>), Failure> {
+        match (&self.values, &self.name) {
+            (None, _) | (_, Name::Made(_)) => Err(Failure::Call(format!(
+                "{} has no labels: it is one body, or was made or changed here",
+                self.name.text()
+            ))),
+            (Some(values), name) => {
+                let labels = values.materials(&self.words);
+                let labels =
+                    labels.map_err(|failure| in_the_words_of(name, &values.path, failure))?;
+                Ok((labels, values.names()))
+            }
+        }
     }
 
     /// A volume made of this one.
@@ -243,9 +277,46 @@ impl Values {
         let options = VolumeOptions { layer: options.layer.or(first), ..options };
         let volume = read_volume(path, &options)?;
         page.progress("counting labels", None);
+        Ok(Self::new(volume, path.into(), words, contents, upload))
+    }
+
+    fn new(
+        volume: Volume,
+        path: PathBuf,
+        words: Vec<String>,
+        contents: Contents,
+        upload: Option<Upload>,
+    ) -> Self {
         let labels = volume.values.labels().filter(|labels| labels.len() <= MOST_LABELS);
         let range = volume.values.range();
-        Ok(Self { volume, path: path.into(), words, contents, labels, range, _upload: upload })
+        Self { volume, path, words, contents, labels, range, _upload: upload }
+    }
+
+    /// The labels that these words choose, at least two besides the background.
+    fn materials(&self, words: &[String]) -> Result<Labels, Failure> {
+        let args = typed::reading(words)?;
+        let problem = match () {
+            () if args.threshold.is_some() => "--materials wants labels, no threshold",
+            () if self.contents.has_layers_of_segments() && args.layer().is_none() => {
+                "the segments lie in several layers; open one of them, with its frame"
+            }
+            () if self.labels.is_none() => {
+                "the values are no labels, or too many different ones for the page; shrouds mesh --materials takes any number"
+            }
+            () => {
+                let labels = labels_of(&self.volume, &self.path, &args, &self.volume.grid)?;
+                if labels.values().len() > 2 {
+                    return Ok(labels);
+                }
+                "--materials wants at least two labels besides 0, and here is one"
+            }
+        };
+        Err(Failure::Call(format!("{}: {problem}", self.path.display())))
+    }
+
+    /// Names of labels, where the file has some.
+    fn names(&self) -> BTreeMap<i128, String> {
+        names(&self.contents)
     }
 
     fn occupancy(&self, args: &VolumeArgs, chosen: &Selection) -> Result<Occupancy, Failure> {
@@ -333,6 +404,9 @@ pub(super) fn selection(
     match (labels, threshold) {
         (Some(labels), None) if labels.is_empty() => {
             Err(Failure::Call("choose at least one label".into()))
+        }
+        (Some(labels), _) if labels.len() > MOST_LABELS => {
+            Err(Failure::Call(format!("choose at most {MOST_LABELS} labels")))
         }
         (Some(labels), None) => Ok(labels.iter().map(|label| format!("--label={label}")).collect()),
         (None, Some(level)) => Ok(vec![format!("--threshold={level}")]),

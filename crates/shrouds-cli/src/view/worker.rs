@@ -20,12 +20,13 @@ use super::look;
 use super::page::Page;
 use super::request::{Origin, Request, Settings, Slot, Task, ViewNumber};
 use super::scene::Sonar;
+use super::several::{Several, Solves};
 use super::sizes::Sizes;
 use super::solver::Solver;
 use super::surface::Surface;
 use super::typed::{self, Typed};
 use super::volumes::{self, Data};
-use super::{Host, VIEWS};
+use super::{Host, IN_ONE_PIECE, VIEWS};
 use crate::args::FrameChoice;
 use crate::energies;
 use crate::failure::Failure;
@@ -39,6 +40,7 @@ pub(super) struct Worker {
     pub(super) files: Files,
     controls: [Arc<Control>; VIEWS],
     pub(super) sizes: Sizes,
+    solves: Solves,
     slots: [Option<Data>; Slot::COUNT],
     views: [Option<View>; VIEWS],
     /// How many surfaces there were.
@@ -50,9 +52,26 @@ pub(super) struct Worker {
     threads: usize,
 }
 
-/// A surface and its solver.
+/// What a view shows.
+pub(super) enum Shown {
+    /// The surface of one body.
+    Body(Arc<Surface>),
+    /// The interfaces of several labels.
+    Several(Arc<Several>),
+}
+
+impl Shown {
+    fn slot(&self) -> Slot {
+        match self {
+            Self::Body(surface) => surface.slot,
+            Self::Several(several) => several.slot,
+        }
+    }
+}
+
+/// What is shown and the solver of a body.
 struct View {
-    surface: Arc<Surface>,
+    shown: Shown,
     thread: Option<JoinHandle<()>>,
     /// What follows the changes of the volume by hand, as long as no solver has been at work since.
     live: Option<LiveShroud>,
@@ -79,6 +98,7 @@ impl Worker {
     ) -> Self {
         Self {
             sizes: Sizes::new(page.clone()),
+            solves: Solves::new(page.clone(), host.threads),
             page,
             files,
             controls,
@@ -134,7 +154,8 @@ impl Worker {
                 self.put(id, into, data)
             }
             Task::Shroud { view, slot, settings } => self.shroud(id, view, slot, &settings),
-            Task::Run { view } | Task::Step { view } => self.run(id, view),
+            Task::Run { view } => self.run(id, view),
+            Task::Step { view } => self.step(id, view),
             Task::Reset { view } => self.reset(id, view),
             Task::Numbers { view } => self.numbers(id, view),
             Task::Sizes { view } => self.sizes(id, view),
@@ -179,10 +200,22 @@ impl Worker {
         self.slots[slot.index()].as_mut().ok_or_else(|| Failure::Call("the slot is empty".into()))
     }
 
-    pub(super) fn surface(&self, view: ViewNumber) -> Result<&Arc<Surface>, Failure> {
-        self.views[view.index()].as_ref().map(|view| &view.surface).ok_or_else(|| {
+    /// What a view shows.
+    pub(super) fn shown(&self, view: ViewNumber) -> Result<&Shown, Failure> {
+        self.views[view.index()].as_ref().map(|view| &view.shown).ok_or_else(|| {
             Failure::Call(format!("view {} is empty: make a shroud first", view.number()))
         })
+    }
+
+    /// The surface of the body that a view shows.
+    pub(super) fn surface(&self, view: ViewNumber) -> Result<&Arc<Surface>, Failure> {
+        match self.shown(view)? {
+            Shown::Body(surface) => Ok(surface),
+            Shown::Several(_) => Err(Failure::Call(format!(
+                "view {} shows the interfaces of several labels, which have only run, cancel, numbers, report, command and export",
+                view.number()
+            ))),
+        }
     }
 
     pub(super) fn control(&self, view: ViewNumber) -> &Arc<Control> {
@@ -233,9 +266,29 @@ impl Worker {
         settings: &Settings,
     ) -> Result<(), Ended> {
         let typed = Typed::read(settings)?;
+        if typed.materials {
+            return self.several(id, view, slot, typed);
+        }
         let surface = self.begin(view, slot, typed, None)?;
         self.answer(id, &surface.about())?;
         surface.send_start(&self.page).map_err(|_| Ended::Closed)
+    }
+
+    /// Puts the interfaces of the chosen labels of a volume into a view.
+    fn several(
+        &mut self,
+        id: u64,
+        view: ViewNumber,
+        slot: Slot,
+        typed: Typed,
+    ) -> Result<(), Ended> {
+        let data = self.data(slot)?;
+        self.page.progress("gathering labels", None);
+        let several = Several::begin(view, self.revisions + 1, slot, data, typed)?;
+        self.stop(view);
+        let several = Arc::new(several);
+        self.show_in(view, Shown::Several(several.clone()), None);
+        self.answer(id, &several.about())
     }
 
     /// Puts the surface of a volume into a view, in place of the one that was there.
@@ -260,16 +313,27 @@ impl Worker {
     /// Puts a surface into its view.
     fn show_surface(&mut self, surface: Surface, live: Option<LiveShroud>) -> Arc<Surface> {
         let surface = Arc::new(surface);
-        self.revisions += 1;
-        let view = View { surface: surface.clone(), thread: None, live };
-        self.views[surface.view.index()] = Some(view);
+        self.show_in(surface.view, Shown::Body(surface.clone()), live);
         surface
     }
 
-    /// The views that show a surface of a volume.
-    pub(super) fn views_on(&self, slot: Slot) -> Vec<ViewNumber> {
-        let surfaces = self.views.iter().flatten().map(|view| &view.surface);
-        surfaces.filter(|surface| surface.slot == slot).map(|surface| surface.view).collect()
+    fn show_in(&mut self, view: ViewNumber, shown: Shown, live: Option<LiveShroud>) {
+        self.revisions += 1;
+        self.control(view).set_in_one_piece(matches!(shown, Shown::Several(_)));
+        self.views[view.index()] = Some(View { shown, thread: None, live });
+    }
+
+    /// The views that show a surface of a volume, in which it can be changed.
+    pub(super) fn views_to_change(&self, slot: Slot) -> Result<Vec<ViewNumber>, Failure> {
+        let shown = self.views.iter().flatten().map(|view| &view.shown);
+        let view = |shown: &Shown| match shown {
+            Shown::Body(surface) => Ok(surface.view),
+            Shown::Several(several) => Err(Failure::Call(format!(
+                "view {} shows several labels of this volume, which cannot be changed by hand; show one body there first",
+                several.view.number()
+            ))),
+        };
+        shown.filter(|shown| shown.slot() == slot).map(view).collect()
     }
 
     /// Makes the surface of a view anew, of the volume as it is now.
@@ -308,8 +372,20 @@ impl Worker {
         let _ = thread.map(JoinHandle::join);
     }
 
+    /// Lets the solver go on to its next sign of life.
+    fn step(&mut self, id: u64, view: ViewNumber) -> Result<(), Ended> {
+        match self.shown(view)? {
+            Shown::Body(_) => self.run(id, view),
+            Shown::Several(_) => Err(Failure::Call(IN_ONE_PIECE.into()).into()),
+        }
+    }
+
     /// Lets the solver go on, or begins anew after its end.
     fn run(&mut self, id: u64, view: ViewNumber) -> Result<(), Ended> {
+        if let Shown::Several(several) = self.shown(view)? {
+            self.answer(id, &json!({}))?;
+            return self.solves.run(several, self.control(view), &self.page);
+        }
         let surface = self.surface(view)?.clone();
         self.answer(id, &json!({}))?;
         let is_running = self.views[view.index()]

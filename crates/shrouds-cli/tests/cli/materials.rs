@@ -75,6 +75,28 @@ fn the_closed_meshes_of_a_folder_are_certified_and_share_their_corners() {
 }
 
 #[test]
+fn labels_that_are_not_chosen_are_background() {
+    let folder = folder();
+    folder.succeed("mesh labels.npy --materials --label 9 --label 1 -o two.ply --report two.json");
+    let others = |n: usize| if label(n) == 4 { 0 } else { label(n) };
+    let values: Vec<u8> = (0..SIZE.pow(3)).map(others).collect();
+    folder.file("others.npy", &npy("|u1", "(20, 20, 20)", &values));
+    folder.succeed("mesh others.npy --materials -o expected.ply");
+    assert!(folder.bytes("two.ply") == folder.bytes("expected.ply"));
+    folder.succeed("check two.ply --volume labels.npy --label 1 --label 9");
+    assert_eq!(folder.run("check two.ply --volume labels.npy").code, 1, "label 4 is missing");
+    for (words, part) in [
+        ("--label 4 --label 4", "at least two"),
+        ("--label 4 --label 0", "at least two"),
+        ("--label 4 --label 5", "only 4 has voxels"),
+        ("--label 5 --label 6", "no voxel has label 5, 6"),
+    ] {
+        let done = folder.run(&format!("mesh labels.npy --materials {words} -o no.ply"));
+        assert!(done.code > 0 && done.err.contains(part), "{words}: {}", done.err);
+    }
+}
+
+#[test]
 fn one_mesh_of_all_labels_is_checked_and_measured_as_it_is() {
     let folder = folder();
     folder.succeed("mesh labels.npy --materials -o all.ply --report all.json --preset fast");

@@ -22,6 +22,7 @@ enum Kind {
     Lines = 7,
     Points = 8,
     Image = 9,
+    Interfaces = 10,
 }
 
 /// What belongs to a surface whatever its δ.
@@ -142,6 +143,18 @@ impl Frame {
         frame.words(size.map(|side| side as u32));
         frame.numbers(corners.into_iter().flatten());
         frame.0.extend_from_slice(pixels.as_flattened());
+        frame
+    }
+
+    /// What the triangles of a mesh lie between: runs of triangles, each the places of both labels in a list
+    /// and how many triangles it has; and the edges in which three or more labels meet, as vertices of
+    /// the mesh.
+    pub fn interfaces(of: [u32; 2], runs: &[[u32; 3]], edges: &[[u32; 2]]) -> Self {
+        let bytes = 8 + 12 * runs.len() + 8 * edges.len();
+        let mut frame = Self::new(Kind::Interfaces, of, runs.len(), bytes);
+        frame.words([runs.len(), edges.len()].map(|count| count as u32));
+        frame.words(runs.as_flattened().iter().copied());
+        frame.words(edges.as_flattened().iter().copied());
         frame
     }
 

@@ -3,6 +3,7 @@
 /** What a frame holds, as its header says. */
 export const kinds = [
   "", "topology", "delta", "triangles", "positions", "normals", "scalars", "lines", "points", "image",
+  "interfaces",
 ] as const;
 
 interface Head {
@@ -63,7 +64,18 @@ export interface Plane extends Head {
   pixels: Uint8Array;
 }
 
-export type Frame = Topology | Values | Triangles | Positions | Lines | Points | Plane;
+/** What the triangles of the mesh before lie between. */
+export interface Interfaces extends Head {
+  kind: "interfaces";
+  /** Runs of triangles: the places of both labels in the list of the surface, and how many there are. */
+  runs: Uint32Array;
+  /** Edges where three or more labels meet, as pairs of vertices. */
+  edges: Uint32Array;
+  /** That list; no part of the frame, but said by whoever knows the surface. */
+  labels: readonly number[];
+}
+
+export type Frame = Topology | Values | Triangles | Positions | Lines | Points | Plane | Interfaces;
 export type Answer = Values | Lines | Points | Plane;
 
 const HEADER = 16;
@@ -143,6 +155,11 @@ export function decode(buffer: ArrayBuffer): Frame {
       const height = reader.number();
       const corners = reader.floats(9);
       return { kind, ...head, width, height, corners, pixels: reader.bytes(4 * width * height) };
+    }
+    case "interfaces": {
+      const runs = reader.number();
+      const edges = reader.number();
+      return { kind, ...head, runs: reader.numbers(3 * runs), edges: reader.numbers(2 * edges), labels: [] };
     }
     default:
       throw new Error(`a message of unknown kind ${number}`);

@@ -45,9 +45,11 @@ export class Looks {
     }
   }
 
+  /** Interfaces of several labels have neither contours nor numbers at their vertices. */
   private async eachView(work: (view: number) => Promise<void>): Promise<void> {
     for (let view = 0; view < this.session.store.state.views; view++) {
-      if (this.session.views[view]?.settled) await this.session.attempt(() => work(view));
+      const { settled, surface } = this.session.views[view] ?? {};
+      if (settled && !surface?.materials) await this.session.attempt(() => work(view));
     }
   }
 

@@ -11,6 +11,8 @@ export interface Choice {
   text?: boolean;
   /** Has no value: given or not. */
   flag?: boolean;
+  /** Interfaces of several labels have it, too. */
+  materials?: boolean;
 }
 
 /** What `open` reads. */
@@ -58,19 +60,24 @@ export type Slot = "a" | "b" | "c";
 export interface Surface {
   view: number;
   revision: number;
-  vertices: number;
-  triangles: number;
-  components: number;
+  /** Sizes of interfaces are known when they are made. */
+  vertices: number | null;
+  triangles: number | null;
+  components: number | null;
   /** Of the start; unknown where it has followed a change of the volume. */
   energy: number | null;
   /** Whether what a change of the volume reaches is solved already. */
   followed: boolean;
+  /** Of interfaces between several labels: the background and the labels that are chosen, ascending. */
+  materials?: number[];
 }
 
 export type SolverState = "running" | "paused" | "done" | "cancelled";
 
 export interface SolverEvent {
   view: number;
+  /** Of interfaces, which nobody waits for. */
+  revision?: number;
   state: SolverState;
   status: string | null;
   iteration: number;
@@ -105,6 +112,37 @@ export interface Numbers {
   times: Record<string, number>;
   vertices: number;
   triangles: number;
+  materials?: Materials;
+}
+
+/** What is known of the interfaces between several labels, in world units. */
+export interface Materials {
+  crossings: number;
+  /** Points, and edges between them, where three or more labels meet. */
+  junctions: number;
+  junction_lines: number;
+  labels: LabelNumbers[];
+  contacts: Contact[];
+}
+
+export interface LabelNumbers {
+  label: number;
+  name: string;
+  voxels: number;
+  voxel_volume: number;
+  volume: number;
+  area: number;
+  triangles: number;
+  components: number;
+  /** Lattice points outside their label's boundary or inside that of another. */
+  wrong_label: number;
+}
+
+/** Where two labels touch. */
+export interface Contact {
+  labels: [number, number];
+  triangles: number;
+  area: number;
 }
 
 export interface Picked {

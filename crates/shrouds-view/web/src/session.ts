@@ -236,10 +236,12 @@ export class Session {
       Object.assign(model, { surface, state: "paused", history: startOf(surface) });
       this.working();
       this.tell("views");
-      await this.picture(view);
+      // Of several labels there is nothing to see before the end.
+      if (surface.materials) this.screen.forget(view);
+      else await this.picture(view);
       if (this.generations[view] !== generation) return;
       if (this.store.state.live) await this.control(view, "run");
-      else await this.settle(view);
+      else if (!surface.materials) await this.settle(view);
     } catch (error) {
       if (this.generations[view] !== generation) return;
       model.state = "empty";
@@ -262,6 +264,9 @@ export class Session {
   async control(view: number, what: "run" | "step" | "pause" | "reset" | "cancel"): Promise<void> {
     const model = this.views[view];
     if (!model?.surface) return;
+    if (model.surface.materials && what !== "run" && what !== "cancel") {
+      return this.say("info", "The interfaces of several labels are made in one piece: run or cancel them.");
+    }
     if (what !== "pause") model.packing = false;
     if (what === "run" || what === "step") Object.assign(model, { settled: false, problem: "", ...unknown });
     const anew = what === "reset" || (what !== "pause" && ["done", "cancelled"].includes(model.state));
@@ -287,6 +292,12 @@ export class Session {
   private frame(frame: Frame): void {
     const model = this.views[frame.view];
     if (!model) return;
+    if (frame.kind === "interfaces") {
+      const { surface } = model;
+      // Those that are on their way when something else is shown are not of interest.
+      if (surface?.revision !== frame.revision) return;
+      frame.labels = surface.materials ?? [];
+    }
     this.screen.show(frame, () => {
       if (frame.kind !== "delta") return;
       this.connection.acknowledge(frame.view, frame.revision, model.iteration);
@@ -321,6 +332,7 @@ export class Session {
   private solver(event: SolverEvent): void {
     const model = this.views[event.view];
     if (!model || model.resetting || model.state === "waiting") return;
+    if (event.revision !== undefined && event.revision !== model.surface?.revision) return;
     const { iteration, energy, gradient, largest_move: move, change } = event;
     Object.assign(model, {
       state: event.state,
@@ -342,7 +354,8 @@ export class Session {
     this.tell("solver");
     this.tell("settled");
     await this.measure(view);
-    if ((model.surface?.vertices ?? 0) < MOST_PACKED) await this.pack(view);
+    const { vertices, materials } = model.surface ?? {};
+    if (!materials && (vertices ?? 0) < MOST_PACKED) await this.pack(view);
   }
 
   /** Asks for the numbers of a surface at rest. */

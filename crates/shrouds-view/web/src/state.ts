@@ -15,6 +15,8 @@ export interface State {
   readonly second: string;
   /** Chosen labels with commas between; empty for what the file says. */
   readonly labels: string;
+  /** Labels whose boundaries are not shown where there are several, with commas between. */
+  readonly hidden: string;
   /** Inside is what lies above this; empty for none. */
   readonly threshold: string;
   readonly views: number;
@@ -51,6 +53,7 @@ export const initial: State = {
   source: "",
   second: "",
   labels: "",
+  hidden: "",
   threshold: "",
   views: 1,
   active: 0,

@@ -6,15 +6,15 @@ use std::time::Instant;
 
 use shrouds::materials::{MaterialMesh, Settings, Shrouds, shrouds};
 use shrouds::mesh::{MeshKind, Triangles};
-use shrouds::optimize::{Solver, VolumeRule};
+use shrouds::optimize::Solver;
 use shrouds::volume::Border;
 use shrouds::{Grid, TriMesh};
-use shrouds_io::{Frame, MeshFormat, Part, mesh_format, write_materials, write_meshes};
+use shrouds_io::{Contents, Frame, MeshFormat, Part, mesh_format, write_materials, write_meshes};
 use shrouds_view::{Colours, LineSet, Scene};
 
 use super::check_files;
 use super::materials_report::{Given, Report};
-use crate::args::{FrameChoice, MeshArgs};
+use crate::args::{FrameChoice, MeshArgs, ShroudArgs};
 use crate::console::{Console, print_json};
 use crate::each::Target;
 use crate::failure::Failure;
@@ -32,7 +32,7 @@ pub(super) fn run(
     start: Instant,
     console: Console,
 ) -> Result<(), Failure> {
-    refuse_other_settings(args)?;
+    refuse_other_settings(&args.shroud)?;
     let target = Target { output: &args.output, extension: &args.format, input: &args.input };
     let is_folder = target.is_folder();
     if !is_folder && mesh_format(&args.output)? == MeshFormat::Stl {
@@ -49,8 +49,7 @@ pub(super) fn run(
     progress.stage("optimising");
     let mut made = shrouds(labels.clone(), &settings(job))?;
     progress.stage("checking");
-    let names = contents.segments.iter().map(|segment| (segment.label, segment.name.clone()));
-    let names: BTreeMap<i128, String> = names.collect();
+    let names = names(&contents);
     let given = Given {
         input: &args.input,
         lattice: &lattice,
@@ -68,11 +67,11 @@ pub(super) fn run(
     if job.frame == FrameChoice::Index {
         to_index(&mut made.mesh.surface, &lattice);
     }
-    let out = Out { target: &target, frame: name(job.frame, &frame), lattice: &lattice, job };
+    let out = Out { frame: name(job.frame, &frame), lattice: &lattice, choice: job.frame };
     if is_folder {
-        out.write_folder(&made.mesh)?
+        out.write_folder(&made.mesh, &target)?
     } else {
-        out.write_file(&made.mesh, console)?
+        out.write_file(&made.mesh, &args.output, console)?
     }
     report.finish(writing, start);
     if let Some(path) = &args.report {
@@ -87,16 +86,24 @@ pub(super) fn run(
     Ok(())
 }
 
+/// The names of labels, where the file has some.
+pub(crate) fn names(contents: &Contents) -> BTreeMap<i128, String> {
+    contents.segments.iter().map(|segment| (segment.label, segment.name.clone())).collect()
+}
+
+/// The settings that interfaces have, too.
+pub(crate) const SETTINGS: [&str; 6] =
+    ["preset", "tolerance", "max-iterations", "start", "volume", "faces"];
+
 /// The interfaces have an energy and a solver of their own.
-fn refuse_other_settings(args: &MeshArgs) -> Result<(), Failure> {
-    let solve = &args.shroud.solve;
+pub(crate) fn refuse_other_settings(args: &ShroudArgs) -> Result<(), Failure> {
+    let solve = &args.solve;
     let given = [
-        (args.shroud.energy.is_some(), "--energy"),
-        (args.shroud.crease.is_some(), "--crease"),
-        (args.shroud.strict, "--strict"),
+        (args.energy.is_some(), "--energy"),
+        (args.crease.is_some(), "--crease"),
+        (args.strict, "--strict"),
         (solve.parameter.is_some(), "--parameter"),
         (solve.solver != Solver::Newton, "--solver sweeps"),
-        (solve.volume != VolumeRule::Free, "--volume keep"),
         (solve.border != Border::Closed, "--border open"),
         (solve.surface != MeshKind::Primal, "--surface dual"),
         (solve.triangles != Triangles::Fitted, "--triangles fixed"),
@@ -109,7 +116,8 @@ fn refuse_other_settings(args: &MeshArgs) -> Result<(), Failure> {
     }
 }
 
-fn settings(job: &Job) -> Settings {
+/// The settings of a job that interfaces have.
+pub(crate) fn settings(job: &Job) -> Settings {
     let own = &job.settings.optimize;
     Settings {
         faces: job.settings.faces,
@@ -117,28 +125,35 @@ fn settings(job: &Job) -> Settings {
         start: own.start.clone(),
         margin: own.margin,
         tolerance: own.tolerance(),
+        volume: own.volume,
         max_iterations: own.max_iterations(),
     }
 }
 
-/// Where meshes go, and how.
-struct Out<'a> {
-    target: &'a Target<'a>,
-    frame: Frame,
-    lattice: &'a Grid,
-    job: &'a Job,
+/// How meshes are written.
+pub(crate) struct Out<'a> {
+    /// The one that files name.
+    pub(crate) frame: Frame,
+    pub(crate) lattice: &'a Grid,
+    /// The coordinates that the meshes have.
+    pub(crate) choice: FrameChoice,
 }
 
 impl Out<'_> {
     fn min_spacing(&self) -> f64 {
-        match self.job.frame {
+        match self.choice {
             FrameChoice::World => self.lattice.min_spacing(),
             FrameChoice::Index => 1.0,
         }
     }
 
-    fn write_file(&self, mesh: &MaterialMesh, console: Console) -> Result<(), Failure> {
-        let path = self.target.output;
+    /// All interfaces in one file.
+    pub(crate) fn write_file(
+        &self,
+        mesh: &MaterialMesh,
+        path: &Path,
+        console: Console,
+    ) -> Result<(), Failure> {
         let (options, warning) = mesh_options(
             &[&mesh.surface],
             mesh_format(path)?,
@@ -150,11 +165,10 @@ impl Out<'_> {
     }
 
     /// A closed mesh for every label but 0.
-    fn write_folder(&self, mesh: &MaterialMesh) -> Result<(), Failure> {
-        make_folder(self.target.output)?;
+    fn write_folder(&self, mesh: &MaterialMesh, target: &Target) -> Result<(), Failure> {
+        make_folder(target.output)?;
         for (label, closed) in mesh.closed_meshes().filter(|(label, _)| *label != 0) {
-            let path: PathBuf =
-                self.target.output.join(format!("label-{label}.{}", self.target.extension));
+            let path: PathBuf = target.output.join(format!("label-{label}.{}", target.extension));
             let (options, _) = mesh_options(
                 &[&closed],
                 mesh_format(&path)?,

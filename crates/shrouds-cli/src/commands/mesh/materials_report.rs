@@ -16,23 +16,24 @@ use crate::report::{Lattice, Times, name, peak_memory};
 use crate::settings::{Job, SettingsReport};
 
 /// What went in.
-pub(super) struct Given<'a> {
-    pub(super) input: &'a Path,
-    pub(super) lattice: &'a Grid,
-    pub(super) frame: &'a Frame,
-    pub(super) labels: &'a Labels,
+pub(crate) struct Given<'a> {
+    pub(crate) input: &'a Path,
+    pub(crate) lattice: &'a Grid,
+    pub(crate) frame: &'a Frame,
+    pub(crate) labels: &'a Labels,
     /// Names of labels, where the file has some.
-    pub(super) names: &'a BTreeMap<i128, String>,
+    pub(crate) names: &'a BTreeMap<i128, String>,
 }
 
+/// What is said of interfaces and where their labels came from.
 #[derive(Serialize)]
-pub(super) struct Report {
+pub(crate) struct Report {
     input: Input,
     settings: SettingsReport,
     #[serde(flatten)]
-    found: Materials,
-    pub(super) times: Times,
-    memory: Option<u64>,
+    pub(crate) found: Materials,
+    pub(crate) times: Times,
+    pub(crate) memory: Option<u64>,
     version: &'static str,
 }
 
@@ -45,7 +46,7 @@ struct Input {
 
 impl Report {
     /// Checks every label; times of writing and all together come when they are known.
-    pub(super) fn new(given: &Given, made: &Shrouds, job: &Job) -> Result<Self, Failure> {
+    pub(crate) fn new(given: &Given, made: &Shrouds, job: &Job) -> Result<Self, Failure> {
         let start = Instant::now();
         let found = Materials::new(given.labels, made, given.names)?;
         let mut times = Times::new(0.0, made.times);
@@ -63,13 +64,13 @@ impl Report {
         })
     }
 
-    pub(super) fn finish(&mut self, writing: Instant, start: Instant) {
+    pub(crate) fn finish(&mut self, writing: Instant, start: Instant) {
         self.times.write = writing.elapsed().as_secs_f64();
         self.times.total = start.elapsed().as_secs_f64();
         self.memory = peak_memory();
     }
 
-    pub(super) fn summary(&self, output: &Path) -> String {
+    pub(crate) fn summary(&self, output: &Path) -> String {
         let found = &self.found;
         format!(
             "{}: {} labels, {} contacts, {} vertices, {} triangles, {} of {} voxels in another label, {} faults of label boundaries, {:.2} s",

@@ -2,8 +2,8 @@
 
 mod chunked;
 mod each;
-mod materials;
-mod materials_report;
+pub(crate) mod materials;
+pub(crate) mod materials_report;
 
 use std::path::Path;
 use std::time::Instant;

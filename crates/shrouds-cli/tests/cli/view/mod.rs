@@ -5,4 +5,5 @@ mod files;
 mod guard;
 mod hostile;
 mod look;
+mod several;
 mod work;

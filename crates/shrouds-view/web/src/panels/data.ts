@@ -1,10 +1,12 @@
 // What is shown: demos, files, labels, thresholds, two volumes together.
 
 import { button, compact, el, field, row, section, select, slider } from "../dom.ts";
-import type { Label, Slot, Volume } from "../protocol.ts";
+import type { Slot, Volume } from "../protocol.ts";
 import type { Session } from "../session.ts";
 import { sourceOf, sourceText } from "../source.ts";
 import { upload } from "../upload.ts";
+import { bodySwitch, labelList, type LabelList } from "./labels.ts";
+import { showsSeveral } from "./one-body.ts";
 
 export function dataPanel(session: Session): HTMLElement[] {
   return [
@@ -17,7 +19,7 @@ export function dataPanel(session: Session): HTMLElement[] {
 /** Opens a volume and remembers it in the address. */
 export async function open(session: Session, slot: Slot, text: string): Promise<void> {
   const { store } = session;
-  store.set(slot === "a" ? { source: text, labels: "", threshold: "" } : { second: text });
+  store.set(slot === "a" ? { source: text, labels: "", hidden: "", threshold: "" } : { second: text });
   if (slot === "a") session.slot = "a";
   await session.open(slot, sourceOf(text));
 }
@@ -37,7 +39,7 @@ export async function restore(session: Session): Promise<void> {
 /** Opens a file that the page was given. */
 export async function openFile(session: Session, slot: Slot, file: File): Promise<void> {
   const { store } = session;
-  store.set(slot === "a" ? { source: "", labels: "", threshold: "" } : { second: "" });
+  store.set(slot === "a" ? { source: "", labels: "", hidden: "", threshold: "" } : { second: "" });
   if (slot === "a") session.slot = "a";
   const id = await session.attempt(() => upload(file, (share) => session.working("uploading", share)));
   session.working();
@@ -117,15 +119,24 @@ function facts(volume: Volume): [string, string][] {
 /** Labels with their colours and counts where the volume has some, else a threshold. */
 function selection(session: Session): HTMLElement {
   const body = el("div");
-  const panel = section("Inside", body);
+  const choice = bodySwitch(session);
+  const panel = section("Inside", choice, body);
   let shown: Volume | undefined;
+  let list: LabelList | undefined;
   const show = (): void => {
     const volume = session.volumes.get("a");
-    panel.hidden = !volume || (!labelled(volume) && !volume.range);
-    if (!volume || panel.hidden || sameChoice(shown, volume)) return;
+    // Whoever asked for several labels where there are none must be able to take that back.
+    const several = showsSeveral(session.store.state);
+    panel.hidden = !volume || (!labelled(volume) && !volume.range && !several);
+    if (!volume || panel.hidden) return;
+    choice.hidden = !labelled(volume) && !several;
+    list?.refresh();
+    if (sameChoice(shown, volume)) return;
     shown = volume;
-    body.replaceChildren(...(labelled(volume) ? labels(session, volume) : []), ...threshold(session, volume));
+    list = labelled(volume) ? labelList(session, volume) : undefined;
+    body.replaceChildren(...(list?.elements ?? []), ...threshold(session, volume));
   };
+  session.store.watch(["settings", "active", "hidden"], show);
   session.on("volumes", show);
   show();
   return panel;
@@ -137,32 +148,6 @@ function sameChoice(a: Volume | undefined, b: Volume): boolean {
 }
 
 const labelled = ({ labels: there }: Volume): boolean => (there?.length ?? 0) > 0;
-
-function labels(session: Session, { labels: all }: Volume): HTMLElement[] {
-  const known = all ?? [];
-  const named = session.store.state.labels.split(",").filter(Boolean).map(Number);
-  const chosen = new Set(named.length > 0 ? named : known.map(({ value }) => value).filter((value) => value !== 0));
-  const boxes = new Map<number, HTMLInputElement>();
-  const change = (): void => {
-    const values = [...boxes].filter(([, box]) => box.checked).map(([value]) => value);
-    if (values.length === 0) return session.say("info", "Choose at least one label.");
-    session.store.set({ labels: values.join(","), threshold: "" });
-    void session.change("select", { slot: "a", labels: values });
-  };
-  const line = ({ value, name, count, colour }: Label): HTMLElement => {
-    const box = el("input", { type: "checkbox", checked: chosen.has(value), onchange: change });
-    boxes.set(value, box);
-    const swatch = el("i");
-    swatch.style.background = colour.startsWith("#") ? colour : `#${colour}`;
-    return el("label", {}, box, swatch, name || String(value), el("span", { className: "quiet" }, compact(count)));
-  };
-  const list = el("div", { className: "labels", role: "group", "aria-label": "Labels" }, ...known.map(line));
-  const all_ = (on: boolean): void => {
-    for (const box of boxes.values()) box.checked = on;
-    if (on) change();
-  };
-  return [list, row(button("All", () => all_(true)), button("None", () => all_(false), "Then choose some"))];
-}
 
 function threshold(session: Session, { range }: Volume): HTMLElement[] {
   const [low, high] = range ?? [0, 1];

@@ -6,6 +6,7 @@ import { latest } from "../latest.ts";
 import type { Volume } from "../protocol.ts";
 import type { Stage } from "../scene/stage.ts";
 import type { Session } from "../session.ts";
+import { forOneBody } from "./one-body.ts";
 
 export function editingPanel(session: Session): HTMLElement {
   const { store } = session;
@@ -25,8 +26,9 @@ export function editingPanel(session: Session): HTMLElement {
   };
   store.watch(["brush", "brushAdds", "brushRadius"], show);
   show();
-  return section(
-    "Editing",
+  const all = el(
+    "fieldset",
+    { "aria-label": "Editing" },
     row(on, el("span", { className: "segmented", role: "group", "aria-label": "What the brush does" }, adds, removes)),
     field("Radius", radius.element, "In voxels; [ and ]"),
     row(
@@ -34,6 +36,8 @@ export function editingPanel(session: Session): HTMLElement {
       button("Redo", () => void session.edit("redo"), "Redo (Ctrl+Shift+Z)"),
     ),
   );
+  forOneBody(store, all);
+  return section("Editing", all);
 }
 
 /** Where a target can be, from what a towed array has heard: a slider of time. */

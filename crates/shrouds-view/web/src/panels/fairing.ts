@@ -4,13 +4,16 @@ import { button, compact, el, field, press, row, section, select, setOptions, to
 import type { Choice } from "../protocol.ts";
 import type { Session } from "../session.ts";
 import { energyEditor } from "./energy.ts";
+import { WHY, forOneBody, showsSeveral } from "./one-body.ts";
 import { plots } from "./plot.ts";
 
 export function fairingPanel(session: Session): HTMLElement[] {
+  const energy = el("fieldset", { "aria-label": "Energy" }, ...energyEditor(session));
+  forOneBody(session.store, energy);
   return [
     section("Fairing", ...transport(session)),
     section("Progress", ...plots(session)),
-    section("Energy", ...energyEditor(session)),
+    section("Energy", energy),
     section("Settings", ...settings(session)),
   ];
 }
@@ -32,23 +35,32 @@ function transport(session: Session): HTMLElement[] {
   const show = (): void => {
     const view = session.active;
     const running = view.state === "running";
-    run.hidden = running;
-    pause.hidden = !running;
+    // Those of several labels run in one piece.
+    const whole = showsSeveral(store.state);
+    run.hidden = running && !whole;
+    pause.hidden = !running || whole;
     for (const control of [run, pause, step, reset, cancel]) control.disabled = !view.surface;
-    cancel.disabled ||= !running && view.state !== "paused";
+    run.disabled ||= running;
+    for (const control of [step, reset]) control.disabled ||= whole;
+    cancel.disabled ||= !running && (whole || view.state !== "paused");
+    step.title = whole ? WHY : "One step or sweep (S)";
+    reset.title = whole ? WHY : "Back to the start (R)";
+    cancel.title = whole ? "Drop what comes of it, when it comes" : "Stop at once (X)";
     press(live, store.state.live);
     state.textContent = stateText(view);
     problem.textContent = view.problem;
     problem.hidden = view.problem === "";
   };
   for (const topic of ["views", "solver"] as const) session.on(topic, show);
-  store.watch(["active", "live"], show);
+  store.watch(["active", "live", "settings"], show);
   show();
   return [row(run, pause, step, reset, cancel), row(random, live), state, problem];
 }
 
 /** What a view is at, in words. */
-export function stateText({ state, status, iteration, seconds }: Session["active"]): string {
+export function stateText({ state, status, iteration, seconds, surface }: Session["active"]): string {
+  if (surface?.materials && state === "paused") return "nothing is made yet: run it";
+  if (surface?.materials && state === "running") return "making the interfaces…";
   const words = { empty: "nothing to do yet", waiting: "making the surface…" } as Record<string, string>;
   const doing = words[state];
   if (doing !== undefined) return doing;
@@ -63,7 +75,7 @@ export function randomStart(session: Session): void {
 
 function settings(session: Session): HTMLElement[] {
   const { choices } = session.hello;
-  const names = Object.keys(choices).filter((name) => name !== "energy");
+  const names = Object.keys(choices).filter((name) => name !== "energy" && name !== "materials");
   names.sort((a, b) => (choices[a]?.order ?? 99) - (choices[b]?.order ?? 99));
   const { store } = session;
   return names.map((name) => {
@@ -72,6 +84,7 @@ function settings(session: Session): HTMLElement[] {
     const { element, show } = control(choice, choose);
     const line = field(name.replaceAll("-", " "), element, choice.help);
     element.dataset.setting = name;
+    if (choice.materials === false) forOneBody(store, element);
     const refresh = (): void => {
       const value = store.state.settings[store.state.active]?.[name];
       line.classList.toggle("changed", value !== undefined);
@@ -84,7 +97,7 @@ function settings(session: Session): HTMLElement[] {
 }
 
 interface Control {
-  element: HTMLElement;
+  element: HTMLInputElement | HTMLSelectElement;
   show(value: string | undefined): void;
 }
 

@@ -3,6 +3,8 @@
 import { button, bytes, compact, el, row } from "../dom.ts";
 import type { Session } from "../session.ts";
 import type { View } from "../view.ts";
+import { materialsTables } from "./materials.ts";
+import { forOneBody } from "./one-body.ts";
 
 /** The columns of a comparison that come first. */
 const FIRST = ["name", "status", "iterations", "seconds", "volume", "area", "roughness", "largest_move"];
@@ -23,7 +25,7 @@ export function numbersPanel(session: Session): HTMLElement[] {
   for (const topic of ["views", "solver", "numbers"] as const) session.on(topic, show);
   session.store.watch(["views", "active", "settings"], show);
   show();
-  return [table, ...comparison(session)];
+  return [table, materialsTables(session), ...comparison(session)];
 }
 
 function headings(names: readonly string[]): HTMLElement {
@@ -33,8 +35,8 @@ function headings(names: readonly string[]): HTMLElement {
 /** What sets a view apart, in a few words. */
 export function title(session: Session, view: number): string {
   const settings = session.store.state.settings[view] ?? {};
-  const { energy = "bending", ...others } = settings;
-  return [energy, ...Object.entries(others).map(([name, value]) => `${name} ${value}`)].join(", ");
+  const { energy = "bending", materials, ...others } = settings;
+  return [materials ? "several labels" : energy, ...Object.entries(others).map(([name, value]) => `${name} ${value}`)].join(", ");
 }
 
 function line(session: Session, view: View, active: boolean): HTMLElement {
@@ -90,7 +92,7 @@ function comparison(session: Session): HTMLElement[] {
     session.rows.length = 0;
     show();
     go.disabled = true;
-    const { energy: _, ...settings } = session.store.state.settings[session.store.state.active] ?? {};
+    const { energy: _, materials: __, ...settings } = session.store.state.settings[session.store.state.active] ?? {};
     const list = energies.value.split(";").map((energy) => energy.trim()).filter(Boolean);
     await session.attempt(() => session.request("compare", { slot: session.slot, energies: list, settings }));
     go.disabled = false;
@@ -101,6 +103,7 @@ function comparison(session: Session): HTMLElement[] {
     () => void session.pack(session.store.state.active),
     "Bytes of the active view when packed with 0 to 8 bits for each vertex; all but the largest surfaces tell by themselves",
   );
+  forOneBody(session.store, sizes);
   const bar = row(el("span", { className: "grow" }, energies), go, sizes);
   bar.style.padding = "5px 12px";
   return [bar, table];

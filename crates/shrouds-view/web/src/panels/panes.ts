@@ -57,7 +57,7 @@ export function describe(container: HTMLElement, session: Session): void {
       problem.textContent = view.problem;
       problem.hidden = view.problem === "";
       const line = box.querySelector<HTMLElement>(".wipe")!;
-      line.hidden = !wipe || session.store.state.settings[index]?.surface === "dual";
+      line.hidden = !wipe || ["surface", "materials"].some((name) => name in (session.store.state.settings[index] ?? {}));
       line.style.left = `${100 * wipeAt}%`;
     });
   };

@@ -23,6 +23,9 @@ export class PickedPanel {
   }
 
   async pick(hit: Hit): Promise<void> {
+    if (this.session.views[hit.view]?.surface?.materials) {
+      return this.session.say("info", "Vertices are picked on one body, not on the interfaces of several labels.");
+    }
     const vertex = this.stage.vertex(hit);
     if (vertex < 0) return;
     this.last = { view: hit.view, vertex, revision: this.session.views[hit.view]?.surface?.revision };

@@ -2,13 +2,14 @@
 
 import { compact, el, press, select, slider, toggle } from "../dom.ts";
 import type { Session } from "../session.ts";
+import { forOneBody } from "./one-body.ts";
 import { axes, initial, type Axis, type State, type Store } from "../state.ts";
 
 type Flag = { [K in keyof State]: State[K] extends boolean ? K : never }[keyof State];
 
 export function seeingBar(session: Session): HTMLElement[] {
   const { store } = session;
-  const flag = (name: Flag, text: string, title: string): HTMLElement => {
+  const flag = (name: Flag, text: string, title: string): HTMLButtonElement => {
     const control = toggle(text, title, () => store.set({ [name]: !store.state[name] }));
     control.dataset.look = name;
     const show = (): void => press(control, store.state[name]);
@@ -18,19 +19,22 @@ export function seeingBar(session: Session): HTMLElement[] {
   };
   const fields = session.hello.fields.map(({ name, help }) => ({ value: name, text: name.replaceAll("-", " "), help }));
   const colours = [{ value: "", text: "none" }, ...fields];
+  const network = flag("network", "Network", "The slice curves: across x red, y white, z blue (N)");
+  const wipe = flag("wipe", "Wipe", "Midpoints on the left, the shroud on the right (W)");
+  forOneBody(store, network, wipe);
   const back = flag("clipBack", "⇄", "Cut the other side away");
   return [
     el(
       "span",
       { className: "segmented", role: "group", "aria-label": "What is drawn" },
       flag("smooth", "Smooth", "Smooth shading instead of flat (F)"),
-      flag("network", "Network", "The slice curves: across x red, y white, z blue (N)"),
+      network,
       flag("points", "Voxels", "Voxel centres near the surface: discs inside, rings outside (V)"),
-      flag("wipe", "Wipe", "Midpoints on the left, the shroud on the right (W)"),
+      wipe,
       flag("parallel", "Parallel", "Parallel rays instead of perspective (O)"),
     ),
     settingSwitch(session),
-    beside("Colours", "Numbers of the vertices as colours (D)", chosen(store, "colours", colours)),
+    beside("Colours", "Numbers of the vertices as colours (D)", bodily(store, "colours", colours)),
     contours(store),
     across(session, "slice", "sliceAt", "Slice", "A slice of the volume (I)"),
     across(session, "clip", "clipAt", "Clip", "Cut away what lies beyond a plane (K)", back),
@@ -49,6 +53,13 @@ function chosen(store: Store, name: "colours" | "contours" | "slice" | "clip", o
 
 const acrossAxes = [{ value: "", text: "off" }, ...axes.map((axis: Axis) => ({ value: axis, text: axis }))];
 
+/** The same for what there is of one body alone. */
+function bodily(...[store, name, options]: Parameters<typeof chosen>): HTMLSelectElement {
+  const control = chosen(store, name, options);
+  forOneBody(store, control);
+  return control;
+}
+
 /** A label, what it belongs to, and more. */
 function beside(text: string, help: string, control: HTMLElement, ...more: (HTMLElement | undefined)[]): HTMLElement {
   return el("span", { className: "beside", title: help }, el("label", {}, text, control), ...more);
@@ -64,7 +75,7 @@ function contours(store: Store): HTMLElement {
   };
   store.watch(["every", "contours"], show);
   show();
-  return beside("Contours", "Contours across an axis, so many voxels apart (C)", chosen(store, "contours", acrossAxes), every);
+  return beside("Contours", "Contours across an axis, so many voxels apart (C)", bodily(store, "contours", acrossAxes), every);
 }
 
 /** Something across an axis, with a slider for where. */
@@ -115,6 +126,7 @@ function settingSwitch({ store, hello }: Session): HTMLElement {
     const show = (): void => press(control, (store.state.settings[store.state.active]?.surface ?? usual) === value);
     store.watch(["settings", "active"], show);
     show();
+    forOneBody(store, control);
     group.append(control);
   }
   return group;

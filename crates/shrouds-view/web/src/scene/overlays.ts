@@ -11,9 +11,14 @@ import type { Uniforms } from "./surface.ts";
 const NEARER = 2e-5;
 
 export function lines(frame: Lines, shared: Uniforms, ink: Vector3): LineSegments {
+  return edges(frame.points, segmentsOf(frame), shared, ink);
+}
+
+/** Lines between points, two by two. */
+export function edges(points: Float32Array, ends: Uint32Array, shared: Uniforms, ink: Vector3): LineSegments {
   const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(frame.points, 3));
-  geometry.setIndex(new BufferAttribute(segmentsOf(frame), 1));
+  geometry.setAttribute("position", new BufferAttribute(points, 3));
+  geometry.setIndex(new BufferAttribute(ends, 1));
   const material = new ShaderMaterial({
     glslVersion: GLSL3,
     uniforms: { ...shared, ink: { value: ink }, nearer: { value: NEARER } },

@@ -23,8 +23,35 @@ void clip() {
 }
 `;
 
+/** Of interfaces between several labels: the places of both labels in their palette. */
+const sidesOut = /* glsl */ `
+#ifdef LABELLED
+in vec2 sides;
+flat out vec2 vSides;
+#endif
+`;
+
+/** The colour of the label behind a triangle, or where that one is hidden of the one before it; no triangle where
+ * both are. Triangles face the second label. */
+const sidesIn = /* glsl */ `
+#ifdef LABELLED
+uniform sampler2D palette;
+flat in vec2 vSides;
+vec4 label(float number) {
+  return texelFetch(palette, ivec2(int(number + 0.5), 0), 0);
+}
+vec3 side() {
+  vec4 behind = label(gl_FrontFacing ? vSides.x : vSides.y);
+  vec4 before = label(gl_FrontFacing ? vSides.y : vSides.x);
+  if (max(behind.a, before.a) < 0.5) discard;
+  return behind.a > 0.5 ? behind.rgb : before.rgb;
+}
+#endif
+`;
+
 export const surfaceVertex = /* glsl */ `
 ${place}
+${sidesOut}
 in vec3 direction;
 in float scalar;
 out vec3 vPlace;
@@ -37,6 +64,9 @@ void main() {
   vView = view.xyz;
   vDirection = normalMatrix * direction;
   vScalar = scalar;
+#ifdef LABELLED
+  vSides = sides;
+#endif
   gl_Position = projectionMatrix * view;
 }
 `;
@@ -44,6 +74,7 @@ void main() {
 /** Ambient and diffuse light as in the pictures of \`shrouds render\`; colours are sRGB. */
 export const surfaceFragment = /* glsl */ `
 ${cut}
+${sidesIn}
 in vec3 vView;
 in vec3 vDirection;
 in float vScalar;
@@ -65,7 +96,11 @@ void main() {
   }
   float share = clamp((vScalar - range.x) / (range.y - range.x), 0.0, 1.0);
   vec3 outer = coloured && !midpoints ? texture(colours, vec2(share * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb : front;
+#ifdef LABELLED
+  vec3 base = pow(side(), vec3(2.2));
+#else
   vec3 base = pow(gl_FrontFacing ? outer : back, vec3(2.2));
+#endif
   float light = 0.2 + 0.8 * max(dot(normal, normalize(vec3(-0.8, 1.0, 2.2))), 0.0);
   colour = vec4(pow(base * light, vec3(1.0 / 2.2)), 1.0);
 }
@@ -138,9 +173,13 @@ void main() {
 /** The place under one pixel, in lattice coordinates. */
 export const pickFragment = /* glsl */ `
 ${cut}
+${sidesIn}
 out vec4 colour;
 void main() {
   clip();
+#ifdef LABELLED
+  side();
+#endif
   colour = vec4(vPlace, 1.0);
 }
 `;

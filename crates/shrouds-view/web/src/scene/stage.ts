@@ -4,15 +4,17 @@ import {
   Box3, Color, Group, Matrix3, Matrix4, Object3D, Scene, Vector2, Vector3, Vector4,
   WebGLRenderer,
 } from "three";
-import type { Frame, Lines, Plane, Points, Topology } from "../frames.ts";
+import type { Frame, Interfaces, Lines, Plane, Points, Topology } from "../frames.ts";
 import type { Colouring, Volume } from "../protocol.ts";
 import { axes, type State, type Store } from "../state.ts";
 import { Camera } from "./camera.ts";
+import { labelsIn } from "./interfaces.ts";
 import * as overlays from "./overlays.ts";
 import { nearest } from "./mesh.ts";
 import { emptyPane, type Pane } from "./pane.ts";
 import { Picker } from "./pick.ts";
 import { ramp } from "./ramp.ts";
+import { SeveralModel } from "./several.ts";
 import { SurfaceModel, asTopology, type Uniforms } from "./surface.ts";
 
 /** A pane's part of the canvas in CSS pixels, from the top left. */
@@ -88,6 +90,7 @@ export class Stage {
     controls.addEventListener("end", () => this.motion(false));
     new ResizeObserver(() => this.draw()).observe(this.canvas);
     this.store.watch([], () => this.draw());
+    this.store.watch(["hidden"], () => this.panes.forEach(({ several }) => this.paint(several)));
     this.camera.project(this.store.state.parallel);
     this.store.watch(["parallel"], ({ parallel }) => this.camera.project(parallel));
   }
@@ -121,7 +124,13 @@ export class Stage {
   show(frame: Frame, drawn: () => void): void {
     const pane = this.panes[frame.view];
     if (!pane) return;
-    if (frame.kind === "topology") this.replace(pane, frame);
+    if (frame.kind === "topology") this.replace(pane, this.model(frame));
+    else if (frame.kind === "interfaces") this.setSeveral(pane, frame);
+    else if (frame.kind === "positions" && (pane.several || pane.surface?.topology.revision !== frame.revision)) {
+      // What its triangles lie between comes next.
+      pane.mesh = frame;
+      return drawn();
+    }
     else if (pane.surface?.topology.revision !== frame.revision) return drawn();
     else if (frame.kind === "positions") this.setDual(pane, this.model(asTopology(frame)));
     else if (frame.kind === "delta") this.move(pane, pane.surface, frame.values);
@@ -131,14 +140,33 @@ export class Stage {
     this.draw();
   }
 
-  private replace(pane: Pane, topology: Topology): void {
-    const old = pane.surface;
+  /** Interfaces of several labels, in their colours. */
+  private setSeveral(pane: Pane, frame: Interfaces): void {
+    const { mesh } = pane;
+    pane.mesh = undefined;
+    if (mesh?.revision !== frame.revision) return;
+    const several = new SeveralModel(mesh, frame, this.uniforms, this.renderer.getContext() as WebGL2RenderingContext);
+    this.paint(several);
+    this.replace(pane, several.surface, several);
+  }
+
+  private paint(several: SeveralModel | undefined): void {
+    const colours = (this.volume?.labels ?? []).map(({ value, colour }) => [value, colour] as const);
+    several?.paint(new Map(colours), labelsIn(this.store.state.hidden));
+  }
+
+  private clear(pane: Pane): void {
     this.setDual(pane, undefined);
-    pane.surface = this.model(topology);
-    pane.root.add(pane.surface.group);
-    old?.dispose();
+    (pane.several ?? pane.surface)?.dispose();
+    pane.several = pane.surface = undefined;
+  }
+
+  private replace(pane: Pane, surface: SurfaceModel, several?: SeveralModel): void {
+    this.clear(pane);
+    Object.assign(pane, { surface, several });
+    pane.root.add(surface.group);
     this.slow = false;
-    this.box.setFromArray(topology.outside as unknown as number[]);
+    this.box.setFromArray(surface.topology.outside as unknown as number[]);
     // What is edited, or another step of the same scene, is looked at from where one is.
     const { name = "", dims, spacing } = this.volume ?? {};
     const identity = JSON.stringify([name.replace(/( \(edited\)|, contact \d+)$/, ""), dims, spacing]);
@@ -171,9 +199,7 @@ export class Stage {
   forget(view: number): void {
     const pane = this.panes[view];
     if (!pane) return;
-    this.setDual(pane, undefined);
-    pane.surface?.dispose();
-    pane.surface = undefined;
+    this.clear(pane);
     this.setContours(view, undefined);
   }
 
@@ -343,7 +369,7 @@ export class Stage {
       this.renderer.render(this.shared, camera);
     };
     // Midpoints are those of the grid edges: a mesh with vertices of its own has none.
-    const edge = state.wipe && !pane.dual ? Math.round(state.wipeAt * width) : 0;
+    const edge = state.wipe && !pane.dual && !pane.several ? Math.round(state.wipeAt * width) : 0;
     part(0, edge, true);
     part(edge, width, false);
   }

@@ -11,6 +11,14 @@ import { lineFragment, lineVertex, pickFragment, surfaceFragment, surfaceVertex 
 
 export type Uniforms = Record<string, IUniform>;
 
+/** What the triangles of a surface lie between, where those are several labels. */
+export interface Labelled {
+  /** For each vertex the places of the labels on both sides in the palette. */
+  sides: Float32Array;
+  /** A colour for each label, with no opacity where it is hidden. */
+  palette: Texture;
+}
+
 /** Red, white, blue: what the planes of the curves lie across, x, y, z. */
 const FAMILIES = [0xd62728, 0xffffff, 0x1f5fd0] as const;
 /** Steep faces make room for the lines on them. */
@@ -36,6 +44,7 @@ export class SurfaceModel {
     readonly topology: Topology,
     shared: Uniforms,
     gl: WebGL2RenderingContext,
+    private readonly labelled?: Labelled,
   ) {
     this.deltas = new LiveArray(gl, new Float32Array(this.count).fill(0.5));
     this.before = new LiveArray(gl, new Float32Array(this.count).fill(0.5));
@@ -46,10 +55,12 @@ export class SurfaceModel {
       coloured: { value: false },
       range: { value: [0, 1] },
       colours: { value: null },
+      palette: { value: labelled?.palette ?? null },
     };
     this.whole = new BufferAttribute(topology.indices, 1);
     this.fill(this.count);
-    const vertex = { glslVersion: GLSL3, uniforms: this.uniforms, side: DoubleSide, ...BEHIND } as const;
+    const defines = labelled ? { LABELLED: "" } : {};
+    const vertex = { glslVersion: GLSL3, uniforms: this.uniforms, side: DoubleSide, defines, ...BEHIND } as const;
     this.painter = new ShaderMaterial({ ...vertex, vertexShader: surfaceVertex, fragmentShader: surfaceFragment });
     this.picker = new ShaderMaterial({ ...vertex, vertexShader: surfaceVertex, fragmentShader: pickFragment });
     this.mesh = new Mesh(this.geometry, this.painter);
@@ -69,6 +80,7 @@ export class SurfaceModel {
     this.geometry.setAttribute("before", this.before.attribute);
     set("direction", new Float32Array(3 * count), 3);
     set("scalar", new Float32Array(count), 1);
+    if (this.labelled) set("sides", this.labelled.sides, 2);
     this.geometry.setIndex(this.whole);
   }
 
@@ -158,8 +170,9 @@ export class SurfaceModel {
     return outside.map((start, i) => start + (along[i] ?? 0) * (delta[(i / 3) | 0] ?? 0));
   }
 
-  /** Fewer triangles between the same vertices, for pictures in motion. */
+  /** Fewer triangles between the same vertices, for pictures in motion. Interfaces of several labels would mix. */
   reduce(on: boolean, spacing: readonly number[]): void {
+    if (this.labelled) return;
     if (on && !this.fewer) {
       const indices = reduced(this.topology.outside, this.whole.array as Uint32Array, spacing);
       this.fewer = new BufferAttribute(indices, 1);

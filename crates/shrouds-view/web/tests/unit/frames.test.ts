@@ -69,6 +69,13 @@ test("polylines become segments", () => {
   assert.throws(() => segmentsOf({ ...lines, lengths: numbers(3) }), /do not fit/);
 });
 
+test("interfaces have runs of triangles and edges", () => {
+  const data = [numbers(2, 1), numbers(1, 0, 5, 2, 1, 4), numbers(7, 8)];
+  const read = decode(frame([10, 0, 4, 2], ...data));
+  assert.deepEqual(read.kind === "interfaces" && [[...read.runs], [...read.edges]], [[1, 0, 5, 2, 1, 4], [7, 8]]);
+  assert.throws(() => decode(frame([10, 0, 4, 2], numbers(2, 0xffffffff))), /too early/);
+});
+
 test("every cut-off frame is an error, and nothing is allocated by a count that lies", () => {
   for (let length = 0; length < topology.byteLength; length++) {
     assert.throws(() => decode(topology.slice(0, length)), `${length} bytes`);

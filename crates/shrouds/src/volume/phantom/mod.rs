@@ -5,6 +5,7 @@
 //! lattice points and says what is known about it; [`sphere`], [`linked_tori`] and [`gyroid`] are
 //! the volumes that the accuracy of surfaces is measured on.
 
+mod cells;
 mod font;
 mod gyroid;
 mod letters;
@@ -14,6 +15,7 @@ mod rotation;
 mod solids;
 mod tori;
 
+pub use cells::cells;
 pub use gyroid::{gyroid, gyroid_ball};
 pub use letters::letters;
 pub use named::{NAMES, Phantom, named};

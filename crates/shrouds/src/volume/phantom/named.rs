@@ -5,16 +5,29 @@ use std::f64::consts::PI;
 use super::letters::text_width;
 use super::tori::radii;
 use super::{
-    ball, block, cube, cuboid, ellipsoid, generic_centre, gyroid, letters, linked_tori, noise,
-    rotation,
+    ball, block, cells, cube, cuboid, ellipsoid, generic_centre, gyroid, letters, linked_tori,
+    noise, rotation,
 };
 use crate::error::Error;
 use crate::grid::Grid;
 use crate::volume::Occupancy;
 
 /// The names that [`named`] knows. `letters` may be followed by a text of its own: `letters:HELLO`.
-pub const NAMES: [&str; 10] =
-    ["tori", "ball", "ellipsoid", "box", "gyroid", "letters", "point", "rod", "plate", "noise"];
+pub const NAMES: [&str; 11] = [
+    "tori",
+    "ball",
+    "ellipsoid",
+    "box",
+    "gyroid",
+    "letters",
+    "point",
+    "rod",
+    "plate",
+    "noise",
+    "cells",
+];
+/// How many cells `cells` has, and where their sites come from.
+const CELLS: (u8, u64) = (12, 5);
 
 /// A volume made from a formula, and what the formula says about its body.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +36,8 @@ pub struct Phantom {
     pub name: &'static str,
     /// The body, sampled at lattice points of spacing 1.
     pub volume: Occupancy,
+    /// Which part of the body each lattice point belongs to, x fastest, 0 outside; of `cells` alone.
+    pub labels: Option<Vec<u8>>,
     /// Volume of the body in cubic world units, where a formula gives it.
     pub true_volume: Option<f64>,
     /// Area of its boundary in square world units, where a formula gives it.
@@ -45,9 +60,12 @@ pub fn named(name: &str, size: usize) -> Result<Phantom, Error> {
         return Err(Error::UnknownPhantom { name: name.into(), known });
     };
     let grid = cube(size, [1.0; 3])?;
+    if name == "cells" {
+        return ball_of_cells(name, grid, size);
+    }
     let (volume, truth) = body(name, text, &grid, size)?;
     let (true_volume, true_area) = truth;
-    Ok(Phantom { name, volume, true_volume, true_area })
+    Ok(Phantom { name, volume, labels: None, true_volume, true_area })
 }
 
 /// True volume and area, where formulas give them.
@@ -86,6 +104,13 @@ fn body(name: &str, text: &str, grid: &Grid, size: usize) -> Result<(Occupancy, 
         "plate" => (middle_block(grid, [size.div_ceil(2), size.div_ceil(2), 1])?, UNKNOWN),
         _ => (noise(grid, 0.5, 1)?, UNKNOWN),
     })
+}
+
+fn ball_of_cells(name: &'static str, grid: Grid, size: usize) -> Result<Phantom, Error> {
+    let (count, seed) = CELLS;
+    let labels = cells(&grid, generic_centre(size), 0.42 * size as f64, count, seed)?;
+    let volume = Occupancy::from_slice(grid, &labels, |label| label > 0)?;
+    Ok(Phantom { name, volume, labels: Some(labels), true_volume: None, true_area: None })
 }
 
 /// As large as fits into nine tenths of the cube, and two strokes deep.
