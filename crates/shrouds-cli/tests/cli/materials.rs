@@ -57,6 +57,20 @@ fn one_mesh_has_every_interface_once_and_the_report_every_label_and_contact() {
 }
 
 #[test]
+fn labels_enclose_their_voxels_if_they_are_to() {
+    let folder = folder();
+    let call = "mesh labels.npy --materials --volume keep -o all.ply --report all.json";
+    let said = folder.run(call).err;
+    assert!(said.contains("volumes of 3 labels kept to"), "{said}");
+    let report = folder.json("all.json");
+    assert_eq!(report["solver"]["kept_volumes"]["held"], json!([]));
+    for label in report["labels"].as_array().unwrap() {
+        let [volume, voxels] = ["volume", "voxels"].map(|key| label[key].as_f64().unwrap());
+        assert!((volume / voxels - 1.0).abs() < 1e-9, "{label}");
+    }
+}
+
+#[test]
 fn the_closed_meshes_of_a_folder_are_certified_and_share_their_corners() {
     let folder = folder();
     folder.succeed("mesh labels.npy --materials -o organs --preset fast");

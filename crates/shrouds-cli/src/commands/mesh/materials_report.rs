@@ -72,8 +72,9 @@ impl Report {
 
     pub(crate) fn summary(&self, output: &Path) -> String {
         let found = &self.found;
+        let kept = found.solver.kept_volumes.as_ref();
         format!(
-            "{}: {} labels, {} contacts, {} vertices, {} triangles, {} of {} voxels in another label, {} faults of label boundaries, {:.2} s",
+            "{}: {} labels, {} contacts, {} vertices, {} triangles, {} of {} voxels in another label, {} faults of label boundaries, {:.2} s{}",
             output.display(),
             found.labels.len(),
             found.contacts.len(),
@@ -83,6 +84,7 @@ impl Report {
             grouped(self.input.lattice.dims.iter().product::<usize>() as u64),
             found.checks.faults(),
             self.times.total,
+            kept.map(|kept| format!("; {}", kept.summary())).unwrap_or_default(),
         )
     }
 }

@@ -257,7 +257,7 @@ fn labels_that_are_none_are_refused() {
     for settings in [
         json!({ "materials": true, "energy": "linear" }),
         json!({ "materials": true, "surface": "dual" }),
-        json!({ "materials": true, "volume": "keep" }),
+        json!({ "materials": true, "border": "open" }),
         json!({ "materials": "yes" }),
         json!({ "materials": [1, 4] }),
     ] {
