@@ -26,7 +26,7 @@ pub(crate) fn run(args: &TestBedArgs, threads: Option<u16>) -> Result<(), Failur
         open(&address);
     }
     let threads = threads.map_or(0, usize::from);
-    Ok(server.run(Arc::new(Host { input, threads }))?)
+    Ok(server.run(Arc::new(Host { input, threads, lane: Arc::default() }))?)
 }
 
 /// The input as the page asks for it; one that cannot be is refused at once.

@@ -29,8 +29,8 @@ mod typed;
 mod volumes;
 mod worker;
 
-use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
+use std::sync::{Arc, Mutex};
 use std::thread;
 
 use serde_json::Value;
@@ -56,6 +56,9 @@ pub(crate) struct Host {
     pub(crate) input: Value,
     /// Threads of each solver; as many as the machine has for 0.
     pub(crate) threads: usize,
+    /// Whoever makes interfaces of several labels holds it: such work cannot be stopped, and that of pages that
+    /// are gone must not pile up.
+    pub(crate) lane: Arc<Mutex<()>>,
 }
 
 impl server::Host for Host {
@@ -93,23 +96,19 @@ impl Session {
             (Task::Ack { revision, .. }, Some(control)) => {
                 return control.acknowledge(&self.page, *revision);
             }
-            (Task::Pause { .. }, Some(control)) if !control.is_in_one_piece() => {
-                control.wish(Wish::Pause);
+            (Task::Pause { .. } | Task::Step { .. }, Some(control))
+                if control.is_in_one_piece() =>
+            {
+                return self.page.refuse_at_once(Some(request.id), IN_ONE_PIECE);
             }
+            (Task::Pause { .. }, Some(control)) => control.wish(Wish::Pause),
             (Task::Cancel { .. }, Some(control)) => {
                 control.wish(Wish::Cancel);
                 control.end_packing();
             }
             (Task::Run { .. }, Some(control)) => control.wish(Wish::Run),
-            (Task::Step { .. }, Some(control)) if !control.is_in_one_piece() => {
-                control.wish(Wish::Step);
-            }
+            (Task::Step { .. }, Some(control)) => control.wish(Wish::Step),
             _ => {}
-        }
-        if let (Task::Pause { .. } | Task::Step { .. }, Some(control)) = (&request.task, control)
-            && control.is_in_one_piece()
-        {
-            return self.page.refuse_at_once(Some(request.id), IN_ONE_PIECE);
         }
         if matches!(request.task, Task::Pause { .. } | Task::Cancel { .. }) {
             return self.page.agree_at_once(request.id);

@@ -234,8 +234,8 @@ fn by_pair(mesh: &MaterialMesh, labels: &[i64]) -> (Vec<usize>, Vec<[u32; 3]>) {
     (order, runs)
 }
 
-/// The way to the thread of a session that makes interfaces, one after the other: they cannot be stopped
-/// on their way, so those that nobody wants any more must not pile up. It ends when this is dropped.
+/// The way to the thread of a session that makes interfaces, one after the other. It ends when this is dropped
+/// and its work is done.
 pub(super) struct Solves(Sender<Solve>);
 
 struct Solve {
@@ -247,9 +247,9 @@ struct Solve {
 
 impl Solves {
     /// Each solve has so many threads; as many as the machine has for 0.
-    pub(super) fn new(page: Page, threads: usize) -> Self {
+    pub(super) fn new(page: Page, threads: usize, lane: Arc<Mutex<()>>) -> Self {
         let (solves, waiting) = channel();
-        thread::spawn(move || work(&page, threads, &waiting));
+        thread::spawn(move || work(&page, threads, &lane, &waiting));
         Self(solves)
     }
 
@@ -271,8 +271,10 @@ impl Solves {
     }
 }
 
-fn work(page: &Page, threads: usize, solves: &Receiver<Solve>) {
+fn work(page: &Page, threads: usize, lane: &Mutex<()>, solves: &Receiver<Solve>) {
     while let Ok(solve) = solves.recv() {
+        // Until those of other sessions are done.
+        let _alone = lane.lock().unwrap_or_else(PoisonError::into_inner);
         let pool = ThreadPoolBuilder::new().num_threads(threads).build();
         let done = match &pool {
             Ok(pool) => solve.work(page, pool),

@@ -205,7 +205,6 @@ mod tests {
             ("crease", json!(true)),
             ("parameter", json!("chord")),
             ("solver", json!("sweeps")),
-            ("volume", json!("keep")),
             ("border", json!("open")),
             ("surface", json!("dual")),
             ("triangles", json!("fixed")),

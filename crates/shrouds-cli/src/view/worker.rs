@@ -98,7 +98,7 @@ impl Worker {
     ) -> Self {
         Self {
             sizes: Sizes::new(page.clone()),
-            solves: Solves::new(page.clone(), host.threads),
+            solves: Solves::new(page.clone(), host.threads, host.lane.clone()),
             page,
             files,
             controls,

@@ -1,5 +1,8 @@
 //! Views of several labels: the interfaces between them, and what such views have not.
 
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
 use serde_json::{Value, json};
 
 use super::client::{Bed, Page};
@@ -160,6 +163,35 @@ fn the_cells_are_a_demo_with_labels() {
     let call = page.ask(json!({ "do": "command", "view": 0 }));
     assert_eq!(call["command"], "shrouds demo cells --size=20");
     page.ask(json!({ "do": "step", "view": 0 }));
+    // Some labels as one body.
+    page.ask(json!({ "do": "select", "slot": "a", "labels": [2, 3] }));
+    page.ask(json!({ "do": "shroud", "view": 0, "slot": "a" }));
+    let call = page.ask(json!({ "do": "command", "view": 0 }))["command"].clone();
+    let (_, mesh) = call.as_str().unwrap().split_once(" && shrouds ").unwrap();
+    assert_eq!(mesh, "mesh shrouds-demo/volume.npy --label=2 --label=3 -o mesh.ply");
+    folder.succeed(mesh);
+}
+
+#[test]
+fn the_labels_of_a_page_that_goes_are_not_waited_for_long() {
+    let bed = Bed::start(&Folder::new(), "--threads 1");
+    let threads = bed.threads();
+    for _ in 0..3 {
+        let mut page = bed.page();
+        open(&mut page, json!({ "demo": "cells", "size": 40 }));
+        show(&mut page, json!({}));
+        page.ask(json!({ "do": "run", "view": 0 }));
+    }
+    let mut page = bed.page();
+    open(&mut page, json!({ "demo": "cells", "size": 16 }));
+    show(&mut page, json!({}));
+    run(&mut page);
+    drop(page);
+    let start = Instant::now();
+    while bed.threads() > threads && start.elapsed() < Duration::from_secs(60) {
+        sleep(Duration::from_millis(20));
+    }
+    assert_eq!(bed.threads(), threads);
 }
 
 #[test]
