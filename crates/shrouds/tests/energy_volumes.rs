@@ -106,3 +106,33 @@ fn the_catalogue_tells_the_truth_about_thin_parts() {
         }
     }
 }
+
+#[test]
+fn the_exact_preset_keeps_rods_of_all_lengths_and_voxels_of_all_shapes() {
+    let share = |counts: [usize; 3], spacing: [f64; 3]| {
+        let grid = Grid::new(counts.map(|n| n + 4), spacing).unwrap();
+        let block = |point: [usize; 3]| (0..3).all(|d| (2..2 + counts[d]).contains(&point[d]));
+        let volume = Occupancy::from_fn(grid, block);
+        let optimize =
+            optimize::Settings { preset: Preset::Exact, ..optimize::Settings::default() };
+        let shroud = shroud(&volume, &Settings { optimize, ..Settings::default() }).unwrap();
+        assert_eq!(shroud.report.status, Status::Converged, "{counts:?} {spacing:?}");
+        let middle = [0, 1, 2].map(|d| spacing[d] * (1.5 + counts[d] as f64 / 2.0));
+        let vertices = &shroud.mesh.vertices;
+        for d in 0..3 {
+            let mean = vertices.iter().map(|v| v[d]).sum::<f64>() / vertices.len() as f64;
+            assert!((mean - middle[d]).abs() < 0.01 * spacing[d], "{counts:?} {spacing:?}: {mean}");
+        }
+        let voxels = (counts.iter().product::<usize>() as f64) * spacing.iter().product::<f64>();
+        shroud.mesh.volume() / voxels
+    };
+    for counts in [[2, 1, 1], [1, 3, 1], [1, 1, 8], [24, 1, 1], [1, 60, 1], [2, 2, 24], [2, 2, 2]] {
+        let share = share(counts, [1.0; 3]);
+        assert!((0.5..1.3).contains(&share), "{counts:?}: {share}");
+    }
+    // A voxel that is not a cube has curves of unlike sizes.
+    for spacing in [[1.0, 1.0, 3.0], [2.0, 0.5, 3.0], [1.0, 10.0, 100.0]] {
+        let share = share([1; 3], spacing);
+        assert!((0.4..1.3).contains(&share), "{spacing:?}: {share}");
+    }
+}

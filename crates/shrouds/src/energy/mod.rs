@@ -113,6 +113,12 @@ pub trait CurveFormula: Send + Sync {
         false
     }
 
+    /// Whether ρ is 0 on circles of all sizes: then it says nothing of how thick a part one voxel thin is to
+    /// be, and there [`Bending`] takes its place.
+    fn is_blind_to_circles(&self) -> bool {
+        false
+    }
+
     /// The exponent A of the Meusnier weight `(1 − n_p²)^(A/2)`, `n` being the surface normal at the
     /// vertex and `p` the normal of the curve's plane; 0 for none.
     ///
@@ -146,6 +152,10 @@ pub trait CurveEnergy: Send + Sync {
     fn terms_double(&self, stencils: &Stencil<Lanes<f64>>) -> Term<Lanes<f64>>;
     /// See [`CurveFormula::is_convex`].
     fn is_convex(&self) -> bool;
+    /// See [`CurveFormula::is_blind_to_circles`].
+    fn is_blind_to_circles(&self) -> bool {
+        false
+    }
     /// See [`CurveFormula::meusnier_exponent`].
     fn meusnier_exponent(&self) -> f64;
     /// See [`CurveFormula::barrier`].
@@ -180,6 +190,10 @@ impl<F: CurveFormula> CurveEnergy for F {
 
     fn is_convex(&self) -> bool {
         CurveFormula::is_convex(self)
+    }
+
+    fn is_blind_to_circles(&self) -> bool {
+        CurveFormula::is_blind_to_circles(self)
     }
 
     fn meusnier_exponent(&self) -> f64 {

@@ -68,6 +68,10 @@ impl CurveFormula for Variation {
         Support::NextTwo
     }
 
+    fn is_blind_to_circles(&self) -> bool {
+        true
+    }
+
     fn meusnier_exponent(&self) -> f64 {
         7.0
     }

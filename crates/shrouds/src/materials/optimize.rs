@@ -8,7 +8,7 @@ use crate::materials::keep::LabelVolume;
 use crate::materials::network::Curves;
 use crate::materials::newton::Newton;
 use crate::materials::start;
-use crate::optimize::{Conditions, Effort, Preset, Problem, Real, Status};
+use crate::optimize::{Conditions, Effort, Preset, Problem, Real, Status, thin};
 
 /// Where the points of interfaces are, and how they got there.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -106,6 +106,7 @@ impl<'a> Solver<'a> {
             intervals: &[],
             flatness: &self.flatness,
             creases: None,
+            voxels: None,
             mean_energy: None,
             forces: None,
         }
@@ -141,6 +142,19 @@ impl<'a> Solver<'a> {
         optimum
     }
 
+    /// 1 at the crossings where a label is one voxel thin, and 0 at all other unknowns.
+    fn thinness(&self) -> Vec<f32> {
+        let labels = self.interfaces.labels();
+        let (ranks, strides) = (labels.ranks(), labels.strides());
+        let rank = |point: [usize; 3]| ranks[(0..3).map(|d| point[d] * strides[d]).sum::<usize>()];
+        let dims = self.interfaces.grid().dims();
+        let mut thinness = vec![0.0; self.curves.unknown_count()];
+        for (thinness, crossing) in thinness.iter_mut().zip(self.interfaces.crossings()) {
+            *thinness = thin::is_thin(dims, crossing.low(), crossing.axis(), rank).into();
+        }
+        thinness
+    }
+
     /// Works with one measure.
     fn stage<R: Real>(
         &self,
@@ -149,7 +163,9 @@ impl<'a> Solver<'a> {
         x: &mut Vec<R>,
         work: impl FnOnce(&mut Work<R>, &mut Vec<R>),
     ) {
-        let problem = Problem::new(&self.curves.network, &self.conditions(energy), <[f32]>::to_vec);
+        let mut problem =
+            Problem::new(&self.curves.network, &self.conditions(energy), <[f32]>::to_vec);
+        problem.keep_thin_parts(|| self.thinness());
         let newton = Newton::new(self.interfaces, self.curves, measure, self.spacing);
         let tolerance = self.settings.tolerance;
         work(&mut Work { problem, newton, tolerance, passes: Vec::new() }, x);

@@ -6,6 +6,7 @@ use crate::optimize::bounds::{cut, intervals};
 use crate::optimize::flat::flatness;
 use crate::optimize::problem::{Conditions, Problem};
 use crate::optimize::settings::Settings;
+use crate::optimize::thin;
 use crate::optimize::univariate::minimise;
 use crate::surface::Surface;
 
@@ -33,6 +34,7 @@ pub fn minimise_vertex(
     let conditions = Conditions::new(surface, settings, &energy, &flatness);
     let network = Network::trace(surface);
     let mut problem = Problem::<f64>::new(&network, &conditions, <[f32]>::to_vec);
+    problem.keep_thin_parts(|| thin::thinness(surface));
     let [low, high] = conditions.bounds;
     let own = intervals(surface, settings, conditions.bounds)?;
     problem.narrow(&own);

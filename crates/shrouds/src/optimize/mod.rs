@@ -34,6 +34,7 @@ pub(crate) mod shares;
 mod start;
 mod strip;
 mod sweeps;
+pub(crate) mod thin;
 mod tile;
 mod univariate;
 mod visit;
@@ -146,7 +147,7 @@ impl Task<'_> {
         own.enter(self.intervals, &mut x);
         let mut keeper = components.as_ref().map(|c| Keeper::new(self.surface, c, bounds));
         let thinness = match self.settings.crease {
-            Some(_) => crease::thinness(self.surface),
+            Some(_) => thin::thinness(self.surface),
             None => Vec::new(),
         };
         let stages = plan::stages(self.settings, &thinness);
@@ -193,6 +194,7 @@ impl Task<'_> {
         let conditions = self.conditions(&energy);
         let network = Network::trace(self.surface);
         let mut problem = Problem::new(&network, &conditions, <[f32]>::to_vec);
+        problem.keep_thin_parts(|| thin::thinness(self.surface));
         problem.narrow(self.intervals);
         problem.bounds.enter(self.intervals, &mut x);
         let (rounds, mut stationarity) =

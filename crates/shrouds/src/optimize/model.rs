@@ -220,6 +220,9 @@ impl<R: Real> Terms<R> {
     /// Evaluates the terms at the own places of a strip and at those beside them.
     fn fill(&mut self, problem: &Problem<R>, strip: &mut Strip<R>, places: Range<usize>) {
         for (n, part) in problem.parts.iter().enumerate() {
+            if n > 0 && part.is_nothing(places.clone()) {
+                continue;
+            }
             part.load_weights(strip, places.clone());
             let count = places.len() + BEFORE + AFTER;
             match (n, part.measure.support()) {

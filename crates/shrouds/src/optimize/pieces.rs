@@ -11,6 +11,7 @@ use crate::optimize::problem::Conditions;
 use crate::optimize::progress::deltas;
 use crate::optimize::relax::{EnergySum, GROUP, visit_all};
 use crate::optimize::settings::{Preset, Settings, Solver, Start, VolumeRule};
+use crate::optimize::thin::Voxels;
 use crate::optimize::tile::{ABOVE, BELOW, HALO, Tiling};
 use crate::optimize::{flat, shares, start};
 use crate::surface::{Region, Surface};
@@ -121,7 +122,8 @@ impl Piece<'_> {
     ) -> Found {
         let flatness = flat::flatness_within(self.volume, self.first, self.surface);
         let conditions = Conditions::new(self.surface, settings, &pass.energy, &flatness);
-        let conditions = Conditions { mean_energy, ..conditions };
+        let voxels = Some(Voxels { volume: self.volume, first: self.first });
+        let conditions = Conditions { mean_energy, voxels, ..conditions };
         let (shares, slopes) = (vec![0; x.len()], vec![[0.0; 2]; x.len()]);
         let mut found = Found { shares, slopes, energy: EnergySum::default() };
         let tiles = self.tiling.tiles(self.surface, &self.own);

@@ -52,7 +52,7 @@ const FAST_CREASES: Passes = Passes::Fixed(&[&[iterations(20)]]);
 const CREASES: Passes = Passes::Fixed(&[&[iterations(30)], &[iterations(30)]]);
 
 /// The stages that lead to a minimum of the energy asked for. `thinness` is needed for creases, see
-/// [`thinness`](crate::optimize::crease::thinness).
+/// [`Creases`].
 ///
 /// An energy that looks at four vertices has flat valleys and local minima; it starts from the minimum
 /// of bending, which has few, unless it is given where to start. One that lets creases be starts from the one that does not.

@@ -3,7 +3,7 @@
 use std::iter::Sum;
 use std::ops::{Add, Range};
 
-use crate::energy::{CurveEnergy, Energy, LANES, Support};
+use crate::energy::{Bending, CurveEnergy, Energy, LANES, Support};
 use crate::network::{Network, REPEATED, Step};
 use crate::optimize::barrier::{Barrier, Shared};
 use crate::optimize::bounds::Bounds;
@@ -11,6 +11,7 @@ use crate::optimize::crease::{self, Creases};
 use crate::optimize::real::Real;
 use crate::optimize::settings::Settings;
 use crate::optimize::strip::{Lengths, STRIP, Strip};
+use crate::optimize::thin::Voxels;
 use crate::parallel::{self, NONE};
 use crate::surface::Surface;
 
@@ -31,6 +32,8 @@ pub(crate) struct Conditions<'a> {
     /// See [`flatness`](crate::optimize::flat::flatness).
     pub(crate) flatness: &'a [f32],
     pub(crate) creases: Option<Creases<'a>>,
+    /// What says which parts are thin, unless the problem is told itself.
+    pub(crate) voxels: Option<Voxels<'a>>,
     /// The mean energy of the vertices of the whole surface, where the problem has a part of it only:
     /// what the barrier follows must not depend on where the surface is cut.
     pub(crate) mean_energy: Option<f64>,
@@ -40,7 +43,7 @@ pub(crate) struct Conditions<'a> {
 
 impl<'a> Conditions<'a> {
     pub(crate) fn new(
-        surface: &Surface,
+        surface: &'a Surface,
         settings: &Settings,
         energy: &'a Energy,
         flatness: &'a [f32],
@@ -55,6 +58,7 @@ impl<'a> Conditions<'a> {
             intervals: &[],
             flatness,
             creases: None,
+            voxels: Some(Voxels::of(surface)),
             mean_energy: None,
             forces: None,
         }
@@ -75,7 +79,7 @@ pub(crate) struct Problem<'a, R> {
     /// How surely every vertex lies on a flat face along the grid.
     flatness: Vec<f32>,
     creases: Option<Creases<'a>>,
-    /// See [`thinness`](crease::thinness); empty without creases.
+    /// See [`Creases`]; empty without them.
     thinness: Vec<f32>,
     /// Whether a vertex must stay where it is.
     pub(crate) is_fixed: Vec<bool>,
@@ -149,6 +153,29 @@ impl<'a, R: Real> Problem<'a, R> {
     /// Lets some vertices stay where they are.
     pub(super) fn fix(&mut self, is_fixed: Vec<bool>) {
         self.is_fixed = is_fixed;
+    }
+
+    /// Puts bending in the place of measures that are blind to circles where parts are one voxel thin: nothing
+    /// else would keep a rod from shrinking or growing. `thinness` is asked for if there are such.
+    pub(crate) fn keep_thin_parts(&mut self, thinness: impl FnOnce() -> Vec<f32>) {
+        let is_blind = |part: &WeightedPart<R>| part.measure.is_blind_to_circles();
+        if self.creases.is_some() || !self.parts.iter().any(is_blind) {
+            return;
+        }
+        let thinness = thinness();
+        let mut of_thin_parts = Vec::new();
+        for part in self.parts.iter_mut().filter(|part| is_blind(part)) {
+            let factors = part.factors.take().unwrap_or_else(|| vec![1.0; thinness.len()]);
+            let shared = |share: fn(f32) -> f32| {
+                let shares = factors.iter().zip(&thinness).map(|(a, &thin)| a * share(thin));
+                Some(shares.collect())
+            };
+            part.factors = shared(|thin| 1.0 - thin);
+            let (measure, weight, factors) = (&Bending, part.weight, shared(|thin| thin));
+            let weights = vec![R::default(); part.weights.len()];
+            of_thin_parts.push(WeightedPart { measure, weight, factors, weights });
+        }
+        self.parts.extend(of_thin_parts);
     }
 
     /// Leaves some vertices out of what is summed up over the tiles of a surface.
@@ -463,6 +490,12 @@ impl<R: Real> WeightedPart<'_, R> {
 
     pub(super) fn weights(&self, places: Range<usize>) -> &[R] {
         &self.weights[places]
+    }
+
+    /// Whether it counts at none of the places of a strip, nor around them.
+    pub(super) fn is_nothing(&self, places: Range<usize>) -> bool {
+        let weights = &self.weights[places.start - REPEATED..places.end + REPEATED];
+        weights.iter().all(|weight| *weight == R::default())
     }
 }
 

@@ -52,6 +52,9 @@ pub(super) fn visit<R: Real>(
 ) -> Visit<R> {
     let local = |factors: &[f32]| tile.read(factors, 0.0);
     let mut problem = Problem::new(&tile.network, conditions, local);
+    if let Some(voxels) = conditions.voxels {
+        problem.keep_thin_parts(|| voxels.thinness(&tile.part));
+    }
     problem.fix(tile.is_fixed());
     problem.leave_out(tile.is_foreign());
     if !conditions.intervals.is_empty() {

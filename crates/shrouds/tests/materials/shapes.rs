@@ -76,3 +76,19 @@ fn results_are_the_same_on_any_number_of_threads() {
     assert_eq!((one.mesh, one.report), (three.mesh, three.report));
     assert!(one.junctions > 20);
 }
+
+#[test]
+fn rods_of_labels_beside_a_larger_one_keep_their_thickness() {
+    // Rods of labels 1 and 2, label 3 far away.
+    let rod = |p: Point, x: f64| p[0] == x && p[1] == 4.0 && (4.0..24.0).contains(&p[2]);
+    let found = exact(labels(28, |p| match p {
+        p if rod(p, 4.0) => 1,
+        p if rod(p, 8.0) => 2,
+        [x, y, z] if (x - 18.0).hypot(y - 18.0).hypot(z - 14.0) < 7.0 => 3,
+        _ => 0,
+    }));
+    for label in [1, 2] {
+        let share = found.mesh.closed_mesh(label).volume() / 20.0;
+        assert!((0.5..1.3).contains(&share), "{label}: {share}");
+    }
+}

@@ -1,0 +1,82 @@
+//! Parts one voxel thin, as the voxels tell them.
+
+use crate::parallel;
+use crate::surface::{Part, Surface};
+use crate::volume::Occupancy;
+
+/// The lattice points of a surface, and those around it if it is a piece.
+#[derive(Clone, Copy)]
+pub(crate) struct Voxels<'a> {
+    pub(crate) volume: &'a Occupancy,
+    /// Where in the volume the surface begins.
+    pub(crate) first: [usize; 3],
+}
+
+impl<'a> Voxels<'a> {
+    pub(super) fn of(surface: &'a Surface) -> Self {
+        Self { volume: surface.volume(), first: [0; 3] }
+    }
+
+    /// [`thinness`] of the vertices of a part of the surface.
+    pub(super) fn thinness(&self, part: &Part) -> Vec<f32> {
+        let first = [0, 1, 2].map(|d| self.first[d] + part.first[d]);
+        Voxels { first, ..*self }.thinness_of(&part.piece)
+    }
+
+    fn thinness_of(&self, surface: &Surface) -> Vec<f32> {
+        let mut thinness = vec![0.0; surface.vertex_count()];
+        let ends = (0..surface.slice_count()).map(|k| surface.slice_vertices(k).end as usize);
+        parallel::pieces(&mut thinness, ends, |k, thinness| {
+            for (thinness, crossing) in thinness.iter_mut().zip(surface.slice_crossings(k)) {
+                let low = [0, 1, 2].map(|d| self.first[d] + crossing.low()[d]);
+                let (dims, side) = (self.volume.grid().dims(), |point| self.volume.get(point));
+                *thinness = f32::from(is_thin(dims, low, crossing.axis(), side));
+            }
+        });
+        thinness
+    }
+}
+
+/// 1 at the vertices around lattice points on parts one voxel thin, inside or outside, and 0 elsewhere.
+pub(super) fn thinness(surface: &Surface) -> Vec<f32> {
+    Voxels::of(surface).thinness_of(surface)
+}
+
+/// Whether an end of the grid edge from `low` along `axis` is on a part one voxel thin that the grid edge leaves;
+/// `side` is the side or the label of a point.
+pub(crate) fn is_thin<T: PartialEq>(
+    dims: [usize; 3],
+    low: [usize; 3],
+    axis: usize,
+    side: impl Fn([usize; 3]) -> T,
+) -> bool {
+    let mut high = low;
+    high[axis] += 1;
+    [low, high].into_iter().any(|end| {
+        let own = side(end);
+        let is_other = |point| side(point) != own;
+        [1, 2].into_iter().any(|shift| is_on_a_rod(dims, end, (axis + shift) % 3, is_other))
+    })
+}
+
+/// Whether a point is alone among the nine around it in the plane across an axis, with at most one point like
+/// it among those nine of either next plane: on a rod, a chain or by itself, but not on top of
+/// a round body. What lies beyond the border goes on there.
+fn is_on_a_rod(
+    dims: [usize; 3],
+    point: [usize; 3],
+    along: usize,
+    is_other: impl Fn([usize; 3]) -> bool,
+) -> bool {
+    let [u, v] = [1, 2].map(|shift| (along + shift) % 3);
+    let near = |d: usize, step| point[d].saturating_add_signed(step).min(dims[d] - 1);
+    [0, -1, 1].into_iter().all(|step| {
+        let steps = (-1..=1).flat_map(|a| (-1..=1).map(move |b| [a, b]));
+        let alike = steps.filter(|&[a, b]| {
+            let mut there = [0; 3];
+            (there[along], there[u], there[v]) = (near(along, step), near(u, a), near(v, b));
+            !is_other(there)
+        });
+        alike.take(2).count() <= 1
+    })
+}
