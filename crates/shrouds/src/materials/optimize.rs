@@ -150,7 +150,7 @@ impl<'a> Solver<'a> {
         let dims = self.interfaces.grid().dims();
         let mut thinness = vec![0.0; self.curves.unknown_count()];
         for (thinness, crossing) in thinness.iter_mut().zip(self.interfaces.crossings()) {
-            *thinness = thin::is_thin(dims, crossing.low(), crossing.axis(), rank).into();
+            *thinness = thin::is_on_a_rod(dims, crossing.low(), crossing.axis(), rank).into();
         }
         thinness
     }

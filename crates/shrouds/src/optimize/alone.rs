@@ -34,7 +34,7 @@ pub fn minimise_vertex(
     let conditions = Conditions::new(surface, settings, &energy, &flatness);
     let network = Network::trace(surface);
     let mut problem = Problem::<f64>::new(&network, &conditions, <[f32]>::to_vec);
-    problem.keep_thin_parts(|| thin::thinness(surface));
+    problem.keep_thin_parts(|| thin::of_rods(surface));
     let [low, high] = conditions.bounds;
     let own = intervals(surface, settings, conditions.bounds)?;
     problem.narrow(&own);

@@ -20,7 +20,7 @@ pub(crate) struct Creases<'a> {
     pub(super) angle: f64,
     /// Strength of the barrier that all vertices share.
     pub(super) barrier: f64,
-    /// See [`thinness`](crate::optimize::thin::thinness).
+    /// See [`of_single_points`](crate::optimize::thin::of_single_points).
     ///
     /// Nothing would keep a part one voxel thin from shrinking if only corners were left of it, so there
     /// all vertices count.

@@ -147,7 +147,7 @@ impl Task<'_> {
         own.enter(self.intervals, &mut x);
         let mut keeper = components.as_ref().map(|c| Keeper::new(self.surface, c, bounds));
         let thinness = match self.settings.crease {
-            Some(_) => thin::thinness(self.surface),
+            Some(_) => thin::of_single_points(self.surface),
             None => Vec::new(),
         };
         let stages = plan::stages(self.settings, &thinness);
@@ -194,7 +194,7 @@ impl Task<'_> {
         let conditions = self.conditions(&energy);
         let network = Network::trace(self.surface);
         let mut problem = Problem::new(&network, &conditions, <[f32]>::to_vec);
-        problem.keep_thin_parts(|| thin::thinness(self.surface));
+        problem.keep_thin_parts(|| thin::of_rods(self.surface));
         problem.narrow(self.intervals);
         problem.bounds.enter(self.intervals, &mut x);
         let (rounds, mut stationarity) =
