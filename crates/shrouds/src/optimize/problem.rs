@@ -163,6 +163,9 @@ impl<'a, R: Real> Problem<'a, R> {
             return;
         }
         let thinness = thinness();
+        if thinness.iter().all(|&thin| thin == 0.0) {
+            return;
+        }
         let mut of_thin_parts = Vec::new();
         for part in self.parts.iter_mut().filter(|part| is_blind(part)) {
             let factors = part.factors.take().unwrap_or_else(|| vec![1.0; thinness.len()]);
