@@ -121,6 +121,19 @@ pub(crate) fn volume(dims: [usize; 3], inside: impl Fn([usize; 3]) -> bool + Syn
     Occupancy::from_fn(Grid::new(dims, [1.0; 3]).unwrap(), inside)
 }
 
+/// The label of a lattice point of a cube with `size` points along an edge: a ball with this square of its radius, cut
+/// into three labels by two slanted planes.
+pub(crate) fn cut_ball(size: usize, square: f64, n: usize) -> u8 {
+    let centre = size as f64 / 2.0 - 0.4;
+    let [x, y, z] = [n % size, n / size % size, n / size / size].map(|x| x as f64 - centre);
+    match () {
+        () if x * x + y * y + z * z > square => 0,
+        () if x + 0.3 * y - 0.2 * z < 0.4 => 4,
+        () if y - 0.4 * z < 0.7 => 1,
+        () => 9,
+    }
+}
+
 /// A NumPy file of this type and shape.
 pub(crate) fn npy(descr: &str, shape: &str, data: &[u8]) -> Vec<u8> {
     let header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}\n");

@@ -3,19 +3,12 @@
 use serde_json::{Value, json};
 use shrouds_io::read_mesh;
 
-use crate::common::{Folder, npy};
+use crate::common::{Folder, cut_ball, npy};
 
 const SIZE: usize = 20;
 
-/// A ball cut into three labels by two slanted planes.
 fn label(n: usize) -> u8 {
-    let [x, y, z] = [n % SIZE, n / SIZE % SIZE, n / SIZE / SIZE].map(|x| x as f64 - 9.6);
-    match () {
-        () if x * x + y * y + z * z > 55.0 => 0,
-        () if x + 0.3 * y - 0.2 * z < 0.4 => 4,
-        () if y - 0.4 * z < 0.7 => 1,
-        () => 9,
-    }
+    cut_ball(SIZE, 55.0, n)
 }
 
 fn folder() -> Folder {

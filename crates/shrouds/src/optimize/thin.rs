@@ -4,8 +4,8 @@ use crate::parallel;
 use crate::surface::{Part, Surface};
 use crate::volume::Occupancy;
 
-/// Where a point must be alone to be thin, as steps along the axis across its plane: on rods, in chains and by
-/// itself, but not on top of a round body; or there, too.
+/// The planes across an axis in which a thin point may have at most one like it nearby, as steps from its own:
+/// with the next planes it is on a rod, in a chain or by itself; without them also on top of a round body.
 const ON_RODS: &[isize] = &[0, -1, 1];
 const ANYWHERE: &[isize] = &[0];
 

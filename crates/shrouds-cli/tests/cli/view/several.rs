@@ -6,21 +6,14 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 
 use super::client::{Bed, Page};
-use crate::common::{Folder, nifti, npy};
+use crate::common::{Folder, cut_ball, nifti, npy};
 
 const SIZE: usize = 16;
 /// A lattice that is mirrored in the world.
 const AFFINE: [[f32; 4]; 3] = [[-0.9, 0.0, 0.0, 12.0], [0.0, 0.0, 1.5, -7.0], [0.0, 1.1, 0.0, 3.0]];
 
-/// A ball cut into three labels by two slanted planes.
 fn label(n: usize) -> u8 {
-    let [x, y, z] = [n % SIZE, n / SIZE % SIZE, n / SIZE / SIZE].map(|x| x as f64 - 7.6);
-    match () {
-        () if x * x + y * y + z * z > 40.0 => 0,
-        () if x + 0.3 * y - 0.2 * z < 0.4 => 4,
-        () if y - 0.4 * z < 0.7 => 1,
-        () => 9,
-    }
+    cut_ball(SIZE, 40.0, n)
 }
 
 fn folder() -> Folder {
