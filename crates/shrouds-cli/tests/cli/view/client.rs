@@ -32,6 +32,8 @@ pub(crate) struct Page {
     ids: u64,
     /// Events so far.
     pub(crate) events: Vec<Value>,
+    /// As many of them came before the last request, or were waited for.
+    heard: usize,
     /// Binary messages so far.
     pub(crate) frames: Vec<Frame>,
 }
@@ -86,7 +88,7 @@ impl Bed {
             request.headers_mut().insert(*name, value.parse().unwrap());
         }
         let (socket, _) = runtime.block_on(connect_async(request))?;
-        Ok(Page { runtime, socket, ids: 0, events: Vec::new(), frames: Vec::new() })
+        Ok(Page { runtime, socket, ids: 0, events: Vec::new(), heard: 0, frames: Vec::new() })
     }
 
     /// Sends a request as it is, without the rest of its connection.
@@ -166,6 +168,7 @@ impl Page {
 
     /// Sends a request and returns its number.
     pub(crate) fn say(&mut self, mut request: Value) -> u64 {
+        self.heard = self.events.len();
         self.ids += 1;
         request["id"] = self.ids.into();
         self.send(Message::text(request.to_string()));
@@ -196,13 +199,16 @@ impl Page {
         answer["error"].as_str().unwrap_or_else(|| panic!("{request}: {answer}")).to_owned()
     }
 
-    /// The next event of this name.
+    /// The next event of this name since the last request; it may have come before the answer.
     pub(crate) fn event(&mut self, name: &str) -> Value {
         loop {
-            let text = self.text();
-            if text["event"] == name {
-                return text;
+            while let Some(event) = self.events.get(self.heard) {
+                self.heard += 1;
+                if event["event"] == name {
+                    return event.clone();
+                }
             }
+            self.text();
         }
     }
 

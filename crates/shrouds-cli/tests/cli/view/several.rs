@@ -308,7 +308,6 @@ fn interfaces_that_nobody_wants_are_dropped() {
     page.ask(json!({ "do": "run", "view": 0 }));
     // Something else in their view takes their place at once; they are not heard of again.
     let body = page.ask(json!({ "do": "shroud", "view": 0, "slot": "a" }));
-    page.events.clear();
     page.ask(json!({ "do": "run", "view": 0 }));
     page.solver("done");
     assert_eq!(page.event("settled")["revision"], body["surface"]["revision"]);
