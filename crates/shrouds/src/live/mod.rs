@@ -25,7 +25,8 @@ use std::ops::{ControlFlow, Range};
 use crate::error::Error;
 use crate::mesh::{MeshKind, Triangles};
 use crate::optimize::{
-    Local, Progress, Settings, Solver, Start, VolumeRule, flatness, optimize, update_flatness,
+    Local, MeanEnergy, Progress, Settings, Solver, Start, VolumeRule, flatness, optimize,
+    update_flatness,
 };
 use crate::settings;
 use crate::surface::Surface;
@@ -46,7 +47,7 @@ pub struct LiveShroud {
     delta: Vec<f64>,
     flatness: Vec<f32>,
     /// What the barrier that all vertices share follows, their mean energy, as it was when all were solved.
-    mean_energy: f64,
+    mean_energy: MeanEnergy,
 }
 
 /// What an update changed. Indices are those of [`Surface::grid`], where a closed border makes lattice point
@@ -87,7 +88,7 @@ impl LiveShroud {
             triangles: settings.triangles,
             delta: Vec::new(),
             flatness: flatness(&surface),
-            mean_energy: 0.0,
+            mean_energy: MeanEnergy::OfAll(0.0),
             surface,
         })
     }
@@ -200,7 +201,7 @@ impl LiveShroud {
 
     fn local(&self) -> Local<'_> {
         let Self { surface, settings, flatness, mean_energy, .. } = self;
-        Local { surface, settings, flatness, mean_energy: *mean_energy }
+        Local { surface, settings, flatness, mean_energy }
     }
 
     /// Number of cells along each axis.

@@ -88,7 +88,7 @@ impl<'a, R: Real> Newton<'a, R> {
         let energy = self.look(problem, x);
         let model = &self.model;
         let sum = problem.sum_over_own_vertices(|place| model.energy_at(place));
-        problem.mean_energy = Some(sum / self.curves.crossings.max(1) as f64);
+        problem.follow(vec![(sum / self.curves.crossings.max(1) as f64) as f32; x.len()]);
         problem.set_barrier(|place| model.energy_at(place));
         energy + self.gather(problem, x)
     }

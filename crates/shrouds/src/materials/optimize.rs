@@ -108,6 +108,7 @@ impl<'a> Solver<'a> {
             creases: None,
             voxels: None,
             mean_energy: None,
+            barrier: 1.0,
             forces: None,
         }
     }

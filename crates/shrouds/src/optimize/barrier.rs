@@ -31,12 +31,12 @@ pub(crate) struct Barrier {
 
 /// The part of the strength that all vertices share.
 #[derive(Clone, Copy)]
-pub(super) enum Shared {
+pub(super) enum Shared<'a> {
     /// This part of their mean energy, see
     /// [`CurveFormula::barrier`](crate::energy::CurveFormula::barrier).
     ByEnergy(f64),
-    /// This part of a mean energy that is known.
-    OfMean(f64, f64),
+    /// This part of the mean energy around every vertex, which is known.
+    Around(f64, &'a [f32]),
     /// Whatever their energy.
     Fixed(f64),
 }
@@ -60,11 +60,11 @@ impl Barrier {
     /// Sets the strengths for vertices that lie so surely on flat faces and have these energies.
     pub(super) fn set(
         &mut self,
-        shared: Shared,
+        shared: Shared<'_>,
         flatness: &[f32],
         energy_of: impl Fn(usize) -> f64 + Sync,
     ) {
-        let (Shared::ByEnergy(strength) | Shared::OfMean(strength, _) | Shared::Fixed(strength)) =
+        let (Shared::ByEnergy(strength) | Shared::Around(strength, _) | Shared::Fixed(strength)) =
             shared;
         self.is_set = strength > 0.0;
         if !self.is_set {
@@ -75,14 +75,16 @@ impl Barrier {
             let sum = parallel::sum_blocks(count, |range| range.map(&energy_of).sum::<f64>());
             sum / count.max(1) as f64
         };
-        let shared = match shared {
-            Shared::ByEnergy(part) => (part * mean()).min(SHARED_CAP),
-            Shared::OfMean(part, mean) => (part * mean).min(SHARED_CAP),
-            Shared::Fixed(strength) => strength,
+        let (everywhere, part, means) = match shared {
+            Shared::ByEnergy(part) => ((part * mean()).min(SHARED_CAP), 0.0, &[][..]),
+            Shared::Around(part, means) => (0.0, part, means),
+            Shared::Fixed(strength) => (strength, 0.0, &[][..]),
         };
+        let around = |mean: &f32| (part * f64::from(*mean)).min(SHARED_CAP);
         parallel::fill(&mut self.strengths, |v| {
             let energy = energy_of(v);
             let own = OWN_SHARE * energy * energy.min(1.0);
+            let shared = means.get(v).map_or(everywhere, around);
             (shared + own + ON_FLAT_FACES * f64::from(flatness[v])) as f32
         });
     }

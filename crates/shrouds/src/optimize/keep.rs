@@ -90,9 +90,10 @@ impl<'a> Keeper<'a> {
             close(&mut all.rounds, Status::IterationLimit);
         }
         self.yields.clear();
-        let mut conditions = Conditions { mean_energy: all.mean_energy, ..*conditions };
+        let mut mean_energy = all.mean_energy.take();
         let mut gradient = self.restore(x);
-        self.probe(&conditions, round, x, &gradient);
+        let following = Conditions { mean_energy: mean_energy.as_ref(), ..*conditions };
+        self.probe(&following, round, x, &gradient);
         for n in 0.. {
             let done = all.steps();
             let mut observer = |progress: Progress| {
@@ -106,8 +107,9 @@ impl<'a> Keeper<'a> {
             };
             let before = x.to_vec();
             let left = most_steps.saturating_sub(done);
-            let mut relaxed = self.pull(&conditions, round, left, x, &gradient, &mut observer);
-            conditions.mean_energy = relaxed.mean_energy;
+            let following = Conditions { mean_energy: mean_energy.as_ref(), ..*conditions };
+            let mut relaxed = self.pull(&following, round, left, x, &gradient, &mut observer);
+            mean_energy = relaxed.mean_energy.take();
             let drift = self.drift(x);
             for (n, multiplier) in self.multipliers.iter_mut().enumerate() {
                 if !self.is_held[n] {

@@ -7,6 +7,7 @@ use std::ops::Range;
 use crate::energy::Energy;
 use crate::error::Error;
 use crate::optimize::flat::{ACROSS, FARTHEST, flatness_of};
+use crate::optimize::mean::{Gathered, MeanEnergy};
 use crate::optimize::plan::{self, Passes, STEPS};
 use crate::optimize::problem::Conditions;
 use crate::optimize::real::Real;
@@ -26,7 +27,7 @@ pub(crate) struct Local<'a> {
     /// See [`flatness`].
     pub(crate) flatness: &'a [f32],
     /// See [`Local::find_mean_energy`].
-    pub(crate) mean_energy: f64,
+    pub(crate) mean_energy: &'a MeanEnergy,
 }
 
 /// A box as it is solved.
@@ -118,22 +119,31 @@ pub(crate) fn update_flatness(
 }
 
 impl Local<'_> {
-    /// What the barrier that all vertices share follows: the mean energy of the whole surface.
-    pub(crate) fn find_mean_energy(&self, delta: &[f64]) -> f64 {
+    /// What the barrier that all vertices share follows: the mean energy of the whole surface, and on the
+    /// way to convergence that around every vertex.
+    pub(crate) fn find_mean_energy(&self, delta: &[f64]) -> MeanEnergy {
         let tiles: Vec<_> = partition(self.surface, TILE, false).into_iter().flatten().collect();
-        let sums =
-            parallel::blocks(tiles.len(), 1, |n| self.energy_of(tiles[n.start].clone(), delta));
-        sums.into_iter().sum::<f64>() / delta.len().max(1) as f64
+        let found =
+            parallel::blocks(tiles.len(), 1, |n| self.energies_of(tiles[n.start].clone(), delta));
+        if self.settings.preset == Preset::Exact {
+            let mut gathered = Gathered::default();
+            found.into_iter().filter_map(|(_, of_tile)| of_tile).for_each(|it| gathered.merge(it));
+            return MeanEnergy::around(self.surface.grid().dims(), &gathered);
+        }
+        let sum: f64 = found.into_iter().map(|(sum, _)| sum).sum();
+        MeanEnergy::OfAll(sum / delta.len().max(1) as f64)
     }
 
-    fn energy_of(&self, points: TilePoints, delta: &[f64]) -> f64 {
+    fn energies_of(&self, points: TilePoints, delta: &[f64]) -> (f64, Option<Gathered>) {
         let energy = self.settings.energy();
         let tile = Tile::cut(self.surface, points);
         if tile.network.vertex_count() == 0 {
-            return 0.0;
+            return Default::default();
         }
         let x: Vec<f32> = positions(&tile, delta);
-        visit(&tile, &self.conditions(&energy), &[&[]], 0.0, x, None).energy_of_vertices
+        let least = self.settings.tolerance();
+        let found = visit(&tile, &self.conditions(&energy), &[&[]], least, x, None);
+        (found.energy_of_vertices, found.gathered)
     }
 
     /// Solves for the vertices whose grid edges start in a box of lattice points, between the others where
@@ -153,7 +163,8 @@ impl Local<'_> {
         let mut x: Vec<R> = self.blurred(&tile, &positions(&tile, delta))?;
         if !x.is_empty() {
             for stage in plan::stages(self.settings, &[]) {
-                let conditions = self.conditions(&stage.energy);
+                let barrier = stage.barrier;
+                let conditions = Conditions { barrier, ..self.conditions(&stage.energy) };
                 x = relax(&tile, &conditions, stage.passes, x);
             }
         }

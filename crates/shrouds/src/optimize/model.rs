@@ -68,6 +68,11 @@ impl<R: Real> Model<R> {
         problem.sum_over_own_vertices(|place| self.parts[place].rho)
     }
 
+    /// The same of one vertex.
+    pub(super) fn energy_of_vertex(&self, problem: &Problem<R>, v: usize) -> f64 {
+        problem.energy_of_vertex(v, |place| self.parts[place].rho)
+    }
+
     /// Looks at the curves alone. Returns their energy.
     pub(crate) fn linearise_curves(&mut self, problem: &Problem<R>, x: &[R]) -> Value {
         self.support = problem.support();

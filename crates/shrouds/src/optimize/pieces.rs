@@ -6,6 +6,7 @@
 use crate::energy::Energy;
 use crate::error::Error;
 use crate::optimize::conjugate::Effort;
+use crate::optimize::mean::MeanEnergy;
 use crate::optimize::plan::{self, Passes};
 use crate::optimize::problem::Conditions;
 use crate::optimize::progress::deltas;
@@ -123,6 +124,8 @@ impl Piece<'_> {
         let flatness = flat::flatness_within(self.volume, self.first, self.surface);
         let conditions = Conditions::new(self.surface, settings, &pass.energy, &flatness);
         let voxels = Some(Voxels { volume: self.volume, first: self.first });
+        let mean_energy = mean_energy.map(MeanEnergy::OfAll);
+        let mean_energy = mean_energy.as_ref();
         let conditions = Conditions { mean_energy, voxels, ..conditions };
         let (shares, slopes) = (vec![0; x.len()], vec![[0.0; 2]; x.len()]);
         let mut found = Found { shares, slopes, energy: EnergySum::default() };

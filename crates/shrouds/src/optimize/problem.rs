@@ -10,6 +10,7 @@ use crate::network::{Network, REPEATED};
 use crate::optimize::barrier::{Barrier, Shared};
 use crate::optimize::bounds::Bounds;
 use crate::optimize::crease::Creases;
+use crate::optimize::mean::MeanEnergy;
 use crate::optimize::real::Real;
 use crate::optimize::settings::Settings;
 use crate::optimize::strip::{Lengths, STRIP, Strip};
@@ -35,7 +36,9 @@ pub(crate) struct Conditions<'a> {
     pub(crate) voxels: Option<Voxels<'a>>,
     /// The mean energy of the vertices of the whole surface, where the problem has a part of it only:
     /// what the barrier follows must not depend on where the surface is cut.
-    pub(crate) mean_energy: Option<f64>,
+    pub(crate) mean_energy: Option<&'a MeanEnergy>,
+    /// What the shared part of the barrier counts.
+    pub(crate) barrier: f64,
     /// What pulls every vertex up its grid edge, or nothing.
     pub(crate) forces: Option<&'a [f32]>,
 }
@@ -59,6 +62,7 @@ impl<'a> Conditions<'a> {
             creases: None,
             voxels: Some(Voxels::of(surface)),
             mean_energy: None,
+            barrier: 1.0,
             forces: None,
         }
     }
@@ -73,8 +77,11 @@ pub(crate) struct Problem<'a, R> {
     pub(crate) lengths: Lengths<R>,
     pub(crate) bounds: Bounds<R>,
     pub(crate) barrier: Barrier,
-    /// See [`Conditions`].
-    pub(crate) mean_energy: Option<f64>,
+    /// The strength of the shared part, see
+    /// [`CurveFormula::barrier`](crate::energy::CurveFormula::barrier).
+    strength: f64,
+    /// What it follows at every vertex; nothing for the mean energy of them all.
+    means: Option<Vec<f32>>,
     /// How surely every vertex lies on a flat face along the grid.
     flatness: Vec<f32>,
     creases: Option<Creases<'a>>,
@@ -140,7 +147,8 @@ impl<'a, R: Real> Problem<'a, R> {
             creases: conditions.creases,
             thinness: conditions.creases.map(|creases| local(creases.thinness)).unwrap_or_default(),
             barrier: Barrier::none(network.vertex_count()),
-            mean_energy: conditions.mean_energy,
+            strength: conditions.barrier * conditions.energy.barrier(),
+            means: None,
             is_fixed: vec![false; network.vertex_count()],
             is_foreign: vec![false; network.vertex_count()],
             has_foreign: false,
@@ -197,15 +205,25 @@ impl<'a, R: Real> Problem<'a, R> {
     pub(crate) fn set_barrier(&mut self, of_place: impl Fn(usize) -> R + Sync) {
         let network = self.network;
         let of_vertex = |v| energy_of_vertex(network, v, &of_place);
-        let shared = match (self.creases, self.mean_energy) {
+        let shared = match (self.creases, &self.means) {
             (Some(creases), _) => Shared::Fixed(creases.barrier),
-            (None, Some(mean)) => Shared::OfMean(self.energy.barrier(), mean),
-            (None, None) => Shared::ByEnergy(self.energy.barrier()),
+            (None, Some(means)) => Shared::Around(self.strength, means),
+            (None, None) => Shared::ByEnergy(self.strength),
         };
         self.barrier.set(shared, &self.flatness, of_vertex);
     }
 
-    /// The energies that the barrier goes by, of all vertices that are not foreign.
+    /// Lets the barrier follow these mean energies around the vertices.
+    pub(crate) fn follow(&mut self, means: Vec<f32>) {
+        self.means = Some(means);
+    }
+
+    /// The energy of a vertex that the barrier goes by.
+    pub(super) fn energy_of_vertex(&self, v: usize, of_place: impl Fn(usize) -> R + Sync) -> f64 {
+        energy_of_vertex(self.network, v, &of_place)
+    }
+
+    /// The sum over all vertices that are not foreign.
     pub(crate) fn sum_over_own_vertices(&self, of_place: impl Fn(usize) -> R + Sync) -> f64 {
         parallel::sum_blocks(self.network.vertex_count(), |range| {
             let own = range.filter(|&v| !self.is_foreign[v]);

@@ -4,7 +4,8 @@
 //! stays in the processor's cache, and the memory is that of the positions alone.
 
 use crate::optimize::conjugate::Effort;
-use crate::optimize::plan::{Passes, STEPS};
+use crate::optimize::mean::{Gathered, MeanEnergy};
+use crate::optimize::plan::{self, Passes, STEPS};
 use crate::optimize::problem::Conditions;
 use crate::optimize::progress::{Observer, Positions, Progress};
 use crate::optimize::real::Real;
@@ -27,7 +28,7 @@ pub(super) struct Relaxed {
     /// See [`Problem::slopes`](crate::optimize::problem::Problem::slopes).
     pub(super) slopes: Vec<[f32; 2]>,
     /// See [`Conditions`].
-    pub(super) mean_energy: Option<f64>,
+    pub(super) mean_energy: Option<MeanEnergy>,
 }
 
 impl Relaxed {
@@ -38,6 +39,12 @@ impl Relaxed {
             slopes: vec![[0.0; 2]; vertices],
             mean_energy: None,
         }
+    }
+
+    /// Takes in what the visit of a tile brought to a pass besides the positions.
+    fn finish<R>(&mut self, pass: &mut Pass, tile: &Tile, visit: Visit<R>) {
+        tile.write(&visit.slopes, &mut self.slopes);
+        pass.add(visit);
     }
 
     /// Steps that were made.
@@ -59,23 +66,25 @@ pub(super) fn relax<R: Real>(
     x: &mut [R],
     observer: &mut Observer,
 ) -> Relaxed {
-    let conditions = *conditions;
-    let mut work = Work { surface, conditions, least: 0.0, relaxed: Relaxed::new(x.len()) };
+    let relaxed = Relaxed::new(x.len());
+    let mut work = Work { surface, conditions, least: 0.0, mean_energy: None, relaxed };
     match passes {
         Passes::Fixed(passes) => work.make_all(passes, most_steps, x, observer),
         Passes::UntilConverged { tolerance, most_steps: own_most } => {
             work.converge(tolerance, most_steps.min(own_most), x, observer);
         }
     }
-    Relaxed { mean_energy: work.conditions.mean_energy, ..work.relaxed }
+    Relaxed { mean_energy: work.mean_energy, ..work.relaxed }
 }
 
 /// A surface with what was found out about it so far.
 struct Work<'a> {
     surface: &'a Surface,
-    conditions: Conditions<'a>,
+    conditions: &'a Conditions<'a>,
     /// See [`visit`].
     least: f64,
+    /// As the last pass found it.
+    mean_energy: Option<MeanEnergy>,
     relaxed: Relaxed,
 }
 
@@ -127,6 +136,9 @@ impl Work<'_> {
         observer: &mut Observer,
     ) {
         self.least = tolerance;
+        let look = self.look(x);
+        self.follow(&look, x.len());
+        let mut was_short = true;
         for n in 0.. {
             let (surface, done) = (self.surface, self.relaxed.steps());
             let steps = &STEPS[..STEPS.len().min(most_steps - done)];
@@ -139,11 +151,14 @@ impl Work<'_> {
             let first_move = (pass.first_move / x.len() as f64).sqrt();
             if pass.status != Status::Cancelled && !steps.is_empty() {
                 pass.status = match () {
-                    () if is_stationary && first_move <= tolerance => Status::Converged,
+                    () if is_stationary && first_move <= tolerance && was_short => {
+                        Status::Converged
+                    }
                     () if pass.steps() == 0 => Status::Stalled,
                     () => Status::IterationLimit,
                 };
             }
+            was_short = pass.steps() < steps.len();
             let is_last =
                 pass.status != Status::IterationLimit || done + pass.steps() >= most_steps;
             self.take(pass, x.len());
@@ -152,17 +167,16 @@ impl Work<'_> {
             }
         }
         if self.conditions.energy.is_convex() {
-            self.certify(x);
+            // How far from the minimum it can be.
+            self.relaxed.stationarity = self.look(x).stationarity;
+            self.relaxed.stationarity.is_certain = true;
         }
     }
 
-    /// Looks at the surface once more, all of it as it is now, and finds out how far from the minimum
-    /// it can be.
-    fn certify<R: Real>(&mut self, x: &mut [R]) {
+    /// Looks at the surface, all of it as it is now.
+    fn look<R: Real>(&mut self, x: &mut [R]) -> Pass {
         let pass = Pass::new(&[&[]], Status::default());
-        let pass = self.make(pass, &[&[]], false, x, &mut |_| false);
-        self.relaxed.stationarity = pass.stationarity;
-        self.relaxed.stationarity.is_certain = true;
+        self.make(pass, &[&[]], false, x, &mut |_| false)
     }
 
     /// Visits all tiles, `shifted` against those of the pass before. `watch` is told after every step of
@@ -175,18 +189,20 @@ impl Work<'_> {
         x: &mut [R],
         watch: &mut Watch<R>,
     ) -> Pass {
-        let (surface, conditions, least) = (self.surface, self.conditions, self.least);
+        let (surface, least) = (self.surface, self.least);
+        let mean_energy = self.mean_energy.as_ref().or(self.conditions.mean_energy);
+        let conditions = Conditions { mean_energy, ..*self.conditions };
         if self.is_one_tile(x.len()) {
             let tile = Tile::cut(surface, TilePoints::all(surface));
             let own = tile.read(x, R::from_f64(0.5));
             let visit = visit(&tile, &conditions, passes, least, own, Some(watch));
             tile.write(&visit.x, x);
-            self.finish(&mut pass, &tile, visit);
+            self.relaxed.finish(&mut pass, &tile, visit);
             return pass;
         }
         // On the way to convergence what one tile finds is the surroundings of the next. Tiles of the
         // lattice know nothing of each other, and do not depend on the extent of the surface.
-        let converges = passes.iter().flat_map(|steps| *steps).any(|effort| effort.converges);
+        let converges = plan::converges(least, passes);
         let colours: Vec<Vec<TilePoints>> = match converges {
             true => partition(surface, TILE, shifted).into(),
             false => vec![Tiling::of(surface).tiles(surface, &surface.points())],
@@ -199,7 +215,7 @@ impl Work<'_> {
                     true => tile.write(&visit.x, x),
                     false => shares::add(&tile, &visit.x, &mut shares),
                 }
-                self.finish(&mut pass, &tile, visit);
+                self.relaxed.finish(&mut pass, &tile, visit);
             }
             if done + 1 == groups.len() {
                 shares::settle(&shares, conditions.bounds, x);
@@ -212,22 +228,24 @@ impl Work<'_> {
         pass
     }
 
-    /// Takes in what the visit of a tile brought besides the positions.
-    fn finish<R>(&mut self, pass: &mut Pass, tile: &Tile, visit: Visit<R>) {
-        tile.write(&visit.slopes, &mut self.relaxed.slopes);
-        pass.add(visit);
-    }
-
     /// Takes in what a pass over so many vertices brought.
     fn take(&mut self, pass: Pass, vertices: usize) -> Status {
         let status = pass.status;
-        if !self.is_one_tile(vertices) {
-            let mean = pass.energy_of_vertices.mean(vertices as u64);
-            self.conditions.mean_energy = Some(mean);
-        }
+        self.follow(&pass, vertices);
         self.relaxed.stationarity = pass.stationarity;
         self.relaxed.rounds.extend(pass.into_rounds());
         status
+    }
+
+    /// Lets the barrier of the next pass follow the energies that one over so many vertices found.
+    fn follow(&mut self, pass: &Pass, vertices: usize) {
+        if let Some(gathered) = &pass.gathered {
+            let dims = self.surface.grid().dims();
+            self.mean_energy = Some(MeanEnergy::around(dims, gathered));
+        } else if !self.is_one_tile(vertices) {
+            let mean = pass.energy_of_vertices.mean(vertices as u64);
+            self.mean_energy = Some(MeanEnergy::OfAll(mean));
+        }
     }
 }
 
@@ -276,6 +294,8 @@ struct Pass {
     first_move: f64,
     /// See [`Visit::energy_of_vertices`].
     energy_of_vertices: EnergySum,
+    /// See [`Visit::gathered`].
+    gathered: Option<Gathered>,
     stationarity: Stationarity,
     status: Status,
 }
@@ -287,6 +307,7 @@ impl Pass {
             most_steps: 0,
             first_move: 0.0,
             energy_of_vertices: EnergySum::default(),
+            gathered: None,
             stationarity: Stationarity::default(),
             status,
         }
@@ -295,6 +316,9 @@ impl Pass {
     fn add<R>(&mut self, visit: Visit<R>) {
         self.first_move += visit.first_move;
         self.energy_of_vertices.add(visit.energy_of_vertices);
+        if let Some(of_tile) = visit.gathered {
+            self.gathered.get_or_insert_default().merge(of_tile);
+        }
         let steps = visit.energies.last().map_or(0, |energies| energies.len() - 1);
         self.most_steps = self.most_steps.max(steps);
         let passes = visit.energies.len();

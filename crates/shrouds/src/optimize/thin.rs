@@ -72,10 +72,18 @@ fn is_thin<T: PartialEq>(
 ) -> bool {
     let mut high = low;
     high[axis] += 1;
-    [low, high].into_iter().any(|end| {
+    // All planes have this axis, and few parts end after one point.
+    let mut below = low;
+    below[axis] = low[axis].saturating_sub(1);
+    let mut above = high;
+    above[axis] = (high[axis] + 1).min(dims[axis] - 1);
+    [(low, below), (high, above)].into_iter().any(|(end, behind)| {
         let own = side(end);
         let is_other = |point| side(point) != own;
-        [1, 2].into_iter().any(|shift| is_alone(dims, end, (axis + shift) % 3, planes, is_other))
+        is_other(behind)
+            && [1, 2]
+                .into_iter()
+                .any(|shift| is_alone(dims, end, (axis + shift) % 3, planes, is_other))
     })
 }
 

@@ -1,7 +1,9 @@
 //! Work on one tile.
 
 use crate::optimize::conjugate::Effort;
+use crate::optimize::mean::Gathered;
 use crate::optimize::newton::Newton;
+use crate::optimize::plan::converges;
 use crate::optimize::problem::{Conditions, Problem};
 use crate::optimize::real::Real;
 use crate::optimize::report::{Stationarity, free_gradient};
@@ -34,6 +36,8 @@ pub(super) struct Visit<R> {
     pub(super) first_move: f64,
     /// See [`Model::energy_of_vertices`](crate::optimize::model::Model::energy_of_vertices).
     pub(super) energy_of_vertices: f64,
+    /// The same vertex by vertex, on the way to convergence.
+    pub(super) gathered: Option<Gathered>,
     pub(super) stationarity: Stationarity,
     /// See [`Problem::slopes`].
     pub(super) slopes: Vec<[f32; 2]>,
@@ -54,6 +58,10 @@ pub(super) fn visit<R: Real>(
     let mut problem = Problem::new(&tile.network, conditions, local);
     if let Some(voxels) = conditions.voxels {
         problem.keep_thin_parts(|| voxels.thinness(&tile.part));
+    }
+    let lows = || tile.part.crossings().map(|crossing| crossing.low());
+    if let Some(mean) = conditions.mean_energy {
+        problem.follow(lows().map(|low| mean.at(low) as f32).collect());
     }
     problem.fix(tile.is_fixed());
     problem.leave_out(tile.is_foreign());
@@ -100,5 +108,19 @@ pub(super) fn visit<R: Real>(
     let stationarity = Stationarity::of(&newton.model, &x, &problem.bounds, &problem.is_foreign);
     let slopes = problem.slopes(&x);
     let energy_of_vertices = newton.model.energy_of_vertices(&problem);
-    Visit { x, energies, first_move, energy_of_vertices, stationarity, slopes, is_cancelled }
+    let gathered = converges(least, passes).then(|| {
+        let own = lows().enumerate().filter(|&(v, _)| !problem.is_foreign[v]);
+        let energy = |(v, low)| (low, newton.model.energy_of_vertex(&problem, v));
+        Gathered::new(own.map(energy))
+    });
+    Visit {
+        x,
+        energies,
+        first_move,
+        energy_of_vertices,
+        gathered,
+        stationarity,
+        slopes,
+        is_cancelled,
+    }
 }
