@@ -14,8 +14,6 @@ use crate::optimize::Real;
 use crate::parallel;
 use crate::vector::{length, subtract};
 
-/// What the bending of lines counts for each unit of that of planar curves.
-const WEIGHT: f64 = 1.0;
 /// Where the square of a chord falls below this, a line near a grid edge of the lattice, its direction
 /// tells little and the junction counts less.
 const SHORT: f64 = 0.05;
@@ -30,11 +28,13 @@ pub(super) struct JunctionLines<'a> {
     spacing: [f64; 3],
     /// The first unknown of the first junction.
     first: usize,
+    /// What their bending counts for each unit of what planar curves are measured by.
+    weight: f64,
     pub(super) rows: Vec<Row<3>>,
 }
 
 impl<'a> JunctionLines<'a> {
-    pub(super) fn trace(interfaces: &'a Interfaces, spacing: [f64; 3]) -> Self {
+    pub(super) fn trace(interfaces: &'a Interfaces, spacing: [f64; 3], weight: f64) -> Self {
         let first = interfaces.crossings().len();
         let between = neighbours(interfaces).into_iter().zip(0..);
         let threes: Vec<[u32; 3]> = between
@@ -47,7 +47,7 @@ impl<'a> JunctionLines<'a> {
             Row { unknowns, residual: [0.0; 3], slopes: [[0.0; UNKNOWNS]; 3] }
         };
         let rows = threes.iter().map(row).collect();
-        Self { junctions: interfaces.junctions(), threes, spacing, first, rows }
+        Self { junctions: interfaces.junctions(), threes, spacing, first, weight, rows }
     }
 
     fn place<R: Real>(&self, junction: u32, x: &[R]) -> [f64; 3] {
@@ -62,13 +62,14 @@ impl<'a> JunctionLines<'a> {
     /// Takes the state `x`. Returns the energy.
     pub(super) fn linearise<R: Real>(&mut self, x: &[R]) -> f64 {
         let mut rows = std::mem::take(&mut self.rows);
+        let weight = self.weight;
         let energy = parallel::update_sum(&mut rows, |n, row| {
             let three = self.threes[n];
             let [a, b, c] = three.map(|junction| self.place(junction, x));
             let (before, after) = (subtract(b, a), subtract(c, b));
             let (l0, l1) = (length(before).max(1e-6), length(after).max(1e-6));
             let shorter = l0.min(l1).powi(2);
-            let root = (4.0 * WEIGHT / (l0 + l1) * shorter / (shorter + SHORT)).sqrt();
+            let root = (4.0 * weight / (l0 + l1) * shorter / (shorter + SHORT)).sqrt();
             let residual = [0, 1, 2].map(|k| root * (after[k] / l1 - before[k] / l0));
             row.residual = residual.map(|r| r as f32);
             let factors = [root / l0, -root / l0 - root / l1, root / l1];

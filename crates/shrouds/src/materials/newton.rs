@@ -3,12 +3,15 @@
 
 use crate::energy::CurveEnergy;
 use crate::materials::ends::Ends;
-use crate::materials::interfaces::Interfaces;
+use crate::materials::interfaces::{Interfaces, Junction};
 use crate::materials::lines::JunctionLines;
 use crate::materials::network::Curves;
 use crate::materials::rows::{add_image, add_slopes};
 use crate::materials::window::Window;
-use crate::optimize::{Effort, Model, Problem, Real, Room, Workspace, scanned, stepped};
+use crate::optimize::{
+    Effort, Gathered, MeanEnergy, Model, Problem, Real, Room, Workspace, scanned, stepped,
+};
+use crate::surface::Crossing;
 
 /// A step covers at most this part of the way to a bound.
 const MOST_OF_THE_WAY: f32 = 0.95;
@@ -19,10 +22,21 @@ const SHARP_TURN: f32 = 0.3;
 /// What counts of a move at most, when the moves are judged.
 const FAR: f64 = 0.01;
 
+/// What the work with one measure is about.
+#[derive(Clone, Copy)]
+pub(super) struct Stage<'a> {
+    pub(super) measure: &'a dyn CurveEnergy,
+    /// See [`JunctionLines`].
+    pub(super) weight_of_lines: f64,
+    /// Whether it is to converge; the barrier follows the energies around every crossing then.
+    pub(super) converges: bool,
+}
+
 /// The working state of a solver with one measure.
 pub(super) struct Newton<'a, R> {
+    interfaces: &'a Interfaces,
     curves: &'a Curves,
-    measure: &'a dyn CurveEnergy,
+    stage: Stage<'a>,
     model: Model<R>,
     ends: Ends<R>,
     lines: JunctionLines<'a>,
@@ -44,20 +58,21 @@ impl<'a, R: Real> Newton<'a, R> {
     pub(super) fn new(
         interfaces: &'a Interfaces,
         curves: &'a Curves,
-        measure: &'a dyn CurveEnergy,
+        stage: Stage<'a>,
         spacing: [f64; 3],
     ) -> Self {
-        let ends = Ends::new(curves, measure.support(), spacing);
+        let ends = Ends::new(curves, stage.measure.support(), spacing);
         let mut is_near_junction = vec![false; curves.unknown_count()];
         for unknown in ends.rows.iter().flat_map(|row| row.unknowns) {
             is_near_junction[unknown as usize] = true;
         }
         Self {
+            interfaces,
             curves,
-            measure,
+            stage,
             model: Model::new(&curves.network),
             ends,
-            lines: JunctionLines::trace(interfaces, spacing),
+            lines: JunctionLines::trace(interfaces, spacing, stage.weight_of_lines),
             tips: Window::all(curves, 3),
             is_near_junction,
             workspace: Workspace::new(&curves.network),
@@ -84,13 +99,30 @@ impl<'a, R: Real> Newton<'a, R> {
     /// the energy.
     pub(super) fn freeze(&mut self, problem: &mut Problem<R>, x: &[R]) -> f64 {
         let shares = problem.weigh(x, &self.place_slopes(problem, x));
-        self.ends.weigh(self.curves, self.measure, &shares);
+        self.ends.weigh(self.curves, self.stage.measure, &shares);
         let energy = self.look(problem, x);
-        let model = &self.model;
-        let sum = problem.sum_over_own_vertices(|place| model.energy_at(place));
-        problem.follow(vec![(sum / self.curves.crossings.max(1) as f64) as f32; x.len()]);
-        problem.set_barrier(|place| model.energy_at(place));
+        problem.follow(self.means(problem));
+        problem.set_barrier(|place| self.model.energy_at(place));
         energy + self.gather(problem, x)
+    }
+
+    /// What the barrier follows at every unknown.
+    fn means(&self, problem: &Problem<R>) -> Vec<f32> {
+        let (interfaces, crossings) = (self.interfaces, self.interfaces.crossings());
+        let energy = |place| self.model.energy_at(place);
+        let mean = if self.stage.converges {
+            let of = |(v, crossing): (usize, &Crossing)| {
+                (crossing.low(), problem.energy_of_vertex(v, energy))
+            };
+            let gathered = Gathered::new(crossings.iter().enumerate().map(of));
+            MeanEnergy::around(interfaces.grid().dims(), &gathered)
+        } else {
+            MeanEnergy::OfAll(problem.sum_over_own_vertices(energy) / crossings.len().max(1) as f64)
+        };
+        let corner = |junction: &Junction| [junction.low.map(|index| index as usize); 2];
+        let of_junctions = interfaces.junctions().iter().flat_map(corner);
+        let points = crossings.iter().map(|crossing| crossing.low()).chain(of_junctions);
+        points.map(|point| mean.at(point) as f32).collect()
     }
 
     /// Linearises the model. Returns the energy.
@@ -101,7 +133,7 @@ impl<'a, R: Real> Newton<'a, R> {
     /// Takes the state `x`. Returns the energy but for the barrier.
     fn look(&mut self, problem: &Problem<R>, x: &[R]) -> f64 {
         let mut energy = self.model.linearise_curves(problem, x).all;
-        energy += self.ends.linearise(self.measure, x);
+        energy += self.ends.linearise(self.stage.measure, x);
         let model = &mut self.model;
         self.ends.for_each_energy(|place, energy| model.add_energy(place, energy));
         energy + self.lines.linearise(x)
@@ -189,7 +221,7 @@ impl<'a, R: Real> Newton<'a, R> {
         };
         let mut energy = |at: R| {
             x[own] = at;
-            let of_rows = rows.iter().map(|&n| self.ends.along(n, v, self.measure, x));
+            let of_rows = rows.iter().map(|&n| self.ends.along(n, v, self.stage.measure, x));
             of_rows.fold(around.at(at), |sum, term| sum + term)
         };
         let start = if is_sharp { scanned(&mut energy, old, bounds) } else { old };

@@ -1,12 +1,12 @@
 //! From interfaces to the unknowns that minimise the energy.
 
-use crate::energy::{Bending, CurveEnergy, Energy, Variation};
+use crate::energy::{Bending, Energy, Variation};
 use crate::error::Error;
 use crate::materials::Settings;
 use crate::materials::interfaces::Interfaces;
 use crate::materials::keep::LabelVolume;
 use crate::materials::network::Curves;
-use crate::materials::newton::Newton;
+use crate::materials::newton::{Newton, Stage};
 use crate::materials::start;
 use crate::optimize::{Conditions, Effort, Preset, Problem, Real, Status, thin};
 
@@ -51,6 +51,10 @@ const DEFAULT: &[&[Effort]] = &[&[effort(10, 1e-3), effort(20, 1e-3)], &[effort(
 const PASS: &[Effort] = &[effort(100, 1e-2); 4];
 /// The most passes with bending before variation follows.
 const PREPARATION: usize = 5;
+/// What the bending of junction lines counts beside that of planar curves, and beside their variation, which is far
+/// less: enough to tie together what the planes see one by one, and no more.
+const BESIDE_BENDING: f64 = 0.1;
+const BESIDE_VARIATION: f64 = 0.03;
 
 /// The unknowns that minimise the energy, or come near it.
 ///
@@ -108,7 +112,6 @@ impl<'a> Solver<'a> {
             creases: None,
             voxels: None,
             mean_energy: None,
-            barrier: 1.0,
             forces: None,
         }
     }
@@ -116,7 +119,8 @@ impl<'a> Solver<'a> {
     /// Makes some passes with bending and no more.
     fn make(&self, passes: &[&[Effort]], mut x: Vec<f32>) -> Optimum {
         let mut optimum = Optimum::default();
-        self.stage(&Bending, &Bending.into(), &mut x, |work, x| {
+        let stage = Stage { measure: &Bending, weight_of_lines: BESIDE_BENDING, converges: false };
+        self.stage(stage, &Bending.into(), &mut x, |work, x| {
             for efforts in passes {
                 work.pass(efforts, x);
             }
@@ -132,11 +136,14 @@ impl<'a> Solver<'a> {
         let mut x: Vec<f64> = x.iter().map(|&x| f64::from(x).clamp(low, high)).collect();
         let mut optimum = Optimum::default();
         let most = self.settings.max_iterations.div_ceil(PASS.len());
-        self.stage(&Bending, &Bending.into(), &mut x, |work, x| {
+        let bending = Stage { measure: &Bending, weight_of_lines: BESIDE_BENDING, converges: true };
+        self.stage(bending, &Bending.into(), &mut x, |work, x| {
             let status = work.converge(PREPARATION, x);
             work.finish(status, x, &mut optimum);
         });
-        self.stage(&Variation, &Variation.into(), &mut x, |work, x| {
+        let (measure, weight_of_lines) = (&Variation, BESIDE_VARIATION);
+        let variation = Stage { measure, weight_of_lines, converges: true };
+        self.stage(variation, &Variation.into(), &mut x, |work, x| {
             let status = work.converge(most, x);
             work.finish(status, x, &mut optimum);
         });
@@ -159,7 +166,7 @@ impl<'a> Solver<'a> {
     /// Works with one measure.
     fn stage<R: Real>(
         &self,
-        measure: &dyn CurveEnergy,
+        stage: Stage,
         energy: &Energy,
         x: &mut Vec<R>,
         work: impl FnOnce(&mut Work<R>, &mut Vec<R>),
@@ -167,7 +174,7 @@ impl<'a> Solver<'a> {
         let mut problem =
             Problem::new(&self.curves.network, &self.conditions(energy), <[f32]>::to_vec);
         problem.keep_thin_parts(|| self.thinness());
-        let newton = Newton::new(self.interfaces, self.curves, measure, self.spacing);
+        let newton = Newton::new(self.interfaces, self.curves, stage, self.spacing);
         let tolerance = self.settings.tolerance;
         work(&mut Work { problem, newton, tolerance, passes: Vec::new() }, x);
     }
@@ -183,13 +190,17 @@ struct Work<'a, R> {
 }
 
 impl<R: Real> Work<'_, R> {
-    /// Makes passes until the first step of one is next to nothing.
+    /// Makes passes until the first step of one is next to nothing, and the one before ended early.
     fn converge(&mut self, most: usize, x: &mut Vec<R>) -> Status {
+        let mut was_short = true;
         for _ in 0..most {
             match self.pass(PASS, x) {
                 None => return Status::Stalled,
-                Some(moved) if moved <= self.tolerance => return Status::Converged,
-                Some(_) => {}
+                Some(moved) if moved <= self.tolerance && was_short => return Status::Converged,
+                Some(_) => {
+                    was_short =
+                        self.passes.last().is_some_and(|energies| energies.len() <= PASS.len())
+                }
             }
         }
         Status::IterationLimit

@@ -163,8 +163,7 @@ impl Local<'_> {
         let mut x: Vec<R> = self.blurred(&tile, &positions(&tile, delta))?;
         if !x.is_empty() {
             for stage in plan::stages(self.settings, &[]) {
-                let barrier = stage.barrier;
-                let conditions = Conditions { barrier, ..self.conditions(&stage.energy) };
+                let conditions = self.conditions(&stage.energy);
                 x = relax(&tile, &conditions, stage.passes, x);
             }
         }

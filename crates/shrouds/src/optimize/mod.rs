@@ -45,7 +45,7 @@ pub(crate) use around::Univariate;
 pub(crate) use conjugate::{Effort, Room, Workspace};
 pub use keep::keep_volumes;
 pub(crate) use local::{Local, flatness, update_flatness};
-pub(crate) use mean::MeanEnergy;
+pub(crate) use mean::{Gathered, MeanEnergy};
 pub(crate) use model::Model;
 pub(crate) use pieces::{FLAT_REACH, FixedPass, KNOWN, Piece, fixed_passes};
 pub(crate) use problem::{Conditions, Problem, power_of_root};
@@ -154,10 +154,9 @@ impl Task<'_> {
         };
         let stages = plan::stages(self.settings, &thinness);
         let count = stages.len() as f64;
-        for (n, plan::Stage { energy, passes, creases, barrier }) in stages.into_iter().enumerate()
-        {
+        for (n, plan::Stage { energy, passes, creases }) in stages.into_iter().enumerate() {
             let energy = self.with_rough_places(energy);
-            let conditions = Conditions { creases, barrier, ..self.conditions(&energy) };
+            let conditions = Conditions { creases, ..self.conditions(&energy) };
             let done = self.settings.max_iterations() - left;
             let mut of_all = |progress: Progress| {
                 let share_done = progress.share_done.map(|share| (n as f64 + share) / count);

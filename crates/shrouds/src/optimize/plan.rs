@@ -10,8 +10,6 @@ pub(super) struct Stage<'a> {
     pub(super) energy: Energy,
     pub(super) passes: Passes,
     pub(super) creases: Option<Creases<'a>>,
-    /// What the shared part of the barrier counts.
-    pub(super) barrier: f64,
 }
 
 /// Passes over the surface; weights and barrier are frozen anew for each, and a step is one of all
@@ -35,9 +33,6 @@ pub(super) fn converges(least: f64, passes: &[&[Effort]]) -> bool {
 
 /// The most steps that prepare the work on another energy: enough on smooth surfaces to converge.
 const PREPARATION: usize = 20;
-/// What the barrier counts meanwhile, if the preparation is to converge. Energies that are blind to circles
-/// leave round bodies at the size they get here, and bending with its barrier keeps them a little small.
-const BARRIER_OF_PREPARATION: f64 = 0.3;
 
 /// Steps of a pass that is one of many. More would be wasted on weights that change anyway.
 pub(super) const STEPS: [Effort; 3] = [Effort {
@@ -76,20 +71,15 @@ pub(super) fn stages<'a>(settings: &Settings, thinness: &'a [f32]) -> Vec<Stage<
     let mut stages = Vec::new();
     let starts_anew = !matches!(settings.start, Start::Given(_));
     if energy.support() == Support::NextTwo && starts_anew {
-        let barrier = match settings.preset {
-            Preset::Exact => BARRIER_OF_PREPARATION,
-            Preset::Fast | Preset::Default => 1.0,
-        };
-        let passes = passes(PREPARATION);
-        stages.push(Stage { energy: Bending.into(), passes, creases: None, barrier });
+        stages.push(Stage { energy: Bending.into(), passes: passes(PREPARATION), creases: None });
     }
     let Some(Crease { angle }) = settings.crease else {
-        stages.push(Stage { energy, passes: passes(usize::MAX), creases: None, barrier: 1.0 });
+        stages.push(Stage { energy, passes: passes(usize::MAX), creases: None });
         return stages;
     };
     let mut push = |angle, barrier, passes| {
         let creases = Some(Creases { angle, barrier, thinness });
-        stages.push(Stage { energy: energy.clone(), passes, creases, barrier: 1.0 });
+        stages.push(Stage { energy: energy.clone(), passes, creases });
     };
     let creasing = if settings.preset == Preset::Fast { FAST_CREASES } else { CREASES };
     push(f64::INFINITY, BARRIERS[0], passes(usize::MAX));

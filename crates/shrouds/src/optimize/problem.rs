@@ -37,8 +37,6 @@ pub(crate) struct Conditions<'a> {
     /// The mean energy of the vertices of the whole surface, where the problem has a part of it only:
     /// what the barrier follows must not depend on where the surface is cut.
     pub(crate) mean_energy: Option<&'a MeanEnergy>,
-    /// What the shared part of the barrier counts.
-    pub(crate) barrier: f64,
     /// What pulls every vertex up its grid edge, or nothing.
     pub(crate) forces: Option<&'a [f32]>,
 }
@@ -62,7 +60,6 @@ impl<'a> Conditions<'a> {
             creases: None,
             voxels: Some(Voxels::of(surface)),
             mean_energy: None,
-            barrier: 1.0,
             forces: None,
         }
     }
@@ -77,10 +74,7 @@ pub(crate) struct Problem<'a, R> {
     pub(crate) lengths: Lengths<R>,
     pub(crate) bounds: Bounds<R>,
     pub(crate) barrier: Barrier,
-    /// The strength of the shared part, see
-    /// [`CurveFormula::barrier`](crate::energy::CurveFormula::barrier).
-    strength: f64,
-    /// What it follows at every vertex; nothing for the mean energy of them all.
+    /// What the shared part of it follows at every vertex; nothing for the mean energy of them all.
     means: Option<Vec<f32>>,
     /// How surely every vertex lies on a flat face along the grid.
     flatness: Vec<f32>,
@@ -147,7 +141,6 @@ impl<'a, R: Real> Problem<'a, R> {
             creases: conditions.creases,
             thinness: conditions.creases.map(|creases| local(creases.thinness)).unwrap_or_default(),
             barrier: Barrier::none(network.vertex_count()),
-            strength: conditions.barrier * conditions.energy.barrier(),
             means: None,
             is_fixed: vec![false; network.vertex_count()],
             is_foreign: vec![false; network.vertex_count()],
@@ -207,8 +200,8 @@ impl<'a, R: Real> Problem<'a, R> {
         let of_vertex = |v| energy_of_vertex(network, v, &of_place);
         let shared = match (self.creases, &self.means) {
             (Some(creases), _) => Shared::Fixed(creases.barrier),
-            (None, Some(means)) => Shared::Around(self.strength, means),
-            (None, None) => Shared::ByEnergy(self.strength),
+            (None, Some(means)) => Shared::Around(self.energy.barrier(), means),
+            (None, None) => Shared::ByEnergy(self.energy.barrier()),
         };
         self.barrier.set(shared, &self.flatness, of_vertex);
     }
@@ -219,7 +212,7 @@ impl<'a, R: Real> Problem<'a, R> {
     }
 
     /// The energy of a vertex that the barrier goes by.
-    pub(super) fn energy_of_vertex(&self, v: usize, of_place: impl Fn(usize) -> R + Sync) -> f64 {
+    pub(crate) fn energy_of_vertex(&self, v: usize, of_place: impl Fn(usize) -> R + Sync) -> f64 {
         energy_of_vertex(self.network, v, &of_place)
     }
 
