@@ -53,8 +53,10 @@ const PASS: &[Effort] = &[effort(100, 1e-2); 4];
 const PREPARATION: usize = 5;
 /// What the bending of junction lines counts beside that of planar curves, and beside their variation, which is far
 /// less: enough to tie together what the planes see one by one, and no more.
-const BESIDE_BENDING: f64 = 0.1;
+const BESIDE_BENDING: f64 = 0.2;
 const BESIDE_VARIATION: f64 = 0.03;
+/// The same with bending where a single step has to tie them.
+const IN_ONE_STEP: f64 = 1.0;
 
 /// The unknowns that minimise the energy, or come near it.
 ///
@@ -72,8 +74,8 @@ pub(super) fn optimize(interfaces: &Interfaces, settings: &Settings) -> Result<O
     curves.place_junctions(bounds, &mut x);
     let solver = Solver::new(interfaces, &curves, settings);
     Ok(match settings.preset {
-        Preset::Fast => solver.make(FAST, x),
-        Preset::Default => solver.make(DEFAULT, x),
+        Preset::Fast => solver.make(FAST, IN_ONE_STEP, x),
+        Preset::Default => solver.make(DEFAULT, BESIDE_BENDING, x),
         Preset::Exact => solver.converge(&x),
     })
 }
@@ -117,9 +119,9 @@ impl<'a> Solver<'a> {
     }
 
     /// Makes some passes with bending and no more.
-    fn make(&self, passes: &[&[Effort]], mut x: Vec<f32>) -> Optimum {
+    fn make(&self, passes: &[&[Effort]], weight_of_lines: f64, mut x: Vec<f32>) -> Optimum {
         let mut optimum = Optimum::default();
-        let stage = Stage { measure: &Bending, weight_of_lines: BESIDE_BENDING, converges: false };
+        let stage = Stage { measure: &Bending, weight_of_lines, converges: false };
         self.stage(stage, &Bending.into(), &mut x, |work, x| {
             for efforts in passes {
                 work.pass(efforts, x);

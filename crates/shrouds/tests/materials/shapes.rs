@@ -56,11 +56,37 @@ fn a_double_bubble_has_its_spheres_its_disc_and_its_rim() {
     let ends = mesh.lines.iter().flatten().map(|&v| mesh.surface.vertices[v as usize]);
     let off = |p: Point| to_disc(p).hypot(from(p, centres[0]) - radius);
     let rim = rms(ends.map(off));
-    assert!(rim < 0.2, "{rim}");
+    assert!(rim < 0.15, "{rim}");
     // The shared triangles are the same on both sides.
     let area = mesh.contacts()[&[1, 2]].1;
     let expected = std::f64::consts::PI * (radius.powi(2) - (between / 2.0).powi(2));
     assert!((area / expected - 1.0).abs() < 0.02, "{area} {expected}");
+}
+
+#[test]
+fn three_planes_meet_in_a_straight_line() {
+    // Through a point, along w; u and v are across it.
+    let (through, w) = ([16.2, 15.7, 15.9], [0.36, 0.48, 0.8]);
+    let (u, v) = ([0.8, -0.6, 0.0], [0.48, 0.64, -0.6]);
+    let across = |p: Point| {
+        let along = |axis: Point| (0..3).map(|a| (p[a] - through[a]) * axis[a]).sum::<f64>();
+        [along(u), along(v)]
+    };
+    assert!(
+        (0..3).all(|a| (u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3] - w[a])
+            .abs()
+            < 1e-9)
+    );
+    let third = std::f64::consts::TAU / 3.0;
+    let mesh = exact(labels(32, |p| {
+        let [a, b] = across(p);
+        1 + ((b.atan2(a) + third * 1.5) / third).min(2.9) as u8
+    }))
+    .mesh;
+    let inner = |p: &Point| p.iter().all(|&x| x > 4.0 && x < 27.0);
+    let ends = mesh.lines.iter().flatten().map(|&v| mesh.surface.vertices[v as usize]);
+    let line = rms(ends.filter(inner).map(|p| f64::hypot(across(p)[0], across(p)[1])));
+    assert!(line < 0.15, "{line}");
 }
 
 #[test]
