@@ -130,7 +130,8 @@ pub trait CurveFormula: Send + Sync {
     }
 
     /// The strength c of the barrier `−Σ μ log(4 δ (1 − δ))`, with `μ = min(c·E/N, 0.01)` for energy E
-    /// and N vertices, and more where parts are thin or faces along the grid flat; 0 for none at all.
+    /// and N vertices, all of them or, on the way to convergence, those around; and more where parts are
+    /// thin or faces along the grid flat; 0 for none at all.
     fn barrier(&self) -> f64 {
         0.0
     }
