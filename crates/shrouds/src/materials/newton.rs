@@ -122,7 +122,7 @@ impl<'a, R: Real> Newton<'a, R> {
         let corner = |junction: &Junction| [junction.low.map(|index| index as usize); 2];
         let of_junctions = interfaces.junctions().iter().flat_map(corner);
         let points = crossings.iter().map(|crossing| crossing.low()).chain(of_junctions);
-        points.map(|point| mean.at(point) as f32).collect()
+        mean.at(self.curves.unknown_count(), points)
     }
 
     /// Linearises the model. Returns the energy.

@@ -14,9 +14,9 @@ const ON_FLAT_FACES: f64 = 1.5;
 /// The sum of `−μ·log(4·x·(1 − x))` over the vertices, each with its own strength μ.
 ///
 /// What energies and voxels leave open a vertex decides for the middle of its grid edge. The shared
-/// part of the strength follows the mean energy, of all vertices or of those around, which says how far the
-/// shape is from what the energy likes best. The others stand where an energy that falls with growing size would lift a
-/// part as far as it can: around parts about one voxel thin, which curve strongly, and on flat faces
+/// part of the strength follows the mean energy, of all vertices or of those around, which says how far
+/// the shape is from what the energy likes best. The others stand where an energy that falls with growing
+/// size would lift a part as far as it can: around parts about one voxel thin, which curve strongly, and on flat faces
 /// along the grid, whose borders do. Where a vertex is known to lie in an interval, that takes the place
 /// of its grid edge: the rougher the shape, the nearer to the middle it stays.
 pub(crate) struct Barrier {

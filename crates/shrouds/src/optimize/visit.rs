@@ -61,7 +61,7 @@ pub(super) fn visit<R: Real>(
     }
     let lows = || tile.part.crossings().map(|crossing| crossing.low());
     if let Some(mean) = conditions.mean_energy {
-        problem.follow(lows().map(|low| mean.at(low) as f32).collect());
+        problem.follow(mean.at(x.len(), lows()));
     }
     problem.fix(tile.is_fixed());
     problem.leave_out(tile.is_foreign());
