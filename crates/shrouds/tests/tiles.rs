@@ -14,3 +14,13 @@ fn passes_over_shifted_tiles_come_to_rest() {
     assert!(vertices > 100_000, "{vertices} vertices are one tile");
     assert_eq!(found.report.status, Status::Converged, "{:?}", found.report.iterations);
 }
+
+#[test]
+fn where_a_body_lies_in_its_volume_does_not_matter() {
+    let volume = phantom::linked_tori(24).unwrap().padded(2).unwrap();
+    let optimize = Solver { preset: Preset::Exact, ..Solver::default() };
+    let settings = Settings { optimize, ..Settings::default() };
+    let here = shroud(&volume, &settings).unwrap();
+    let there = shroud(&volume.padded_by([[3, 1], [5, 2], [1, 6]]).unwrap(), &settings).unwrap();
+    assert_eq!(here.delta, there.delta);
+}

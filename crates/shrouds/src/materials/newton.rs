@@ -9,7 +9,7 @@ use crate::materials::network::Curves;
 use crate::materials::rows::{add_image, add_slopes};
 use crate::materials::window::Window;
 use crate::optimize::{
-    Effort, Gathered, MeanEnergy, Model, Problem, Real, Room, Workspace, scanned, stepped,
+    Effort, Gathered, Grid, MeanEnergy, Model, Problem, Real, Room, Workspace, scanned, stepped,
 };
 use crate::surface::Crossing;
 
@@ -114,8 +114,9 @@ impl<'a, R: Real> Newton<'a, R> {
             let of = |(v, crossing): (usize, &Crossing)| {
                 (crossing.low(), problem.energy_of_vertex(v, energy))
             };
-            let gathered = Gathered::new(crossings.iter().enumerate().map(of));
-            MeanEnergy::around(interfaces.grid().dims(), &gathered)
+            let cells = Grid::of(crossings.iter().map(|crossing| crossing.low()));
+            let gathered = Gathered::new(cells, crossings.iter().enumerate().map(of));
+            MeanEnergy::around(cells, &gathered)
         } else {
             MeanEnergy::OfAll(problem.sum_over_own_vertices(energy) / crossings.len().max(1) as f64)
         };

@@ -114,6 +114,7 @@ impl<'a> Solver<'a> {
             creases: None,
             voxels: None,
             mean_energy: None,
+            cells: None,
             forces: None,
         }
     }

@@ -7,7 +7,7 @@ use std::ops::Range;
 use crate::energy::Energy;
 use crate::error::Error;
 use crate::optimize::flat::{ACROSS, FARTHEST, flatness_of};
-use crate::optimize::mean::{Gathered, MeanEnergy};
+use crate::optimize::mean::{Gathered, Grid, MeanEnergy};
 use crate::optimize::plan::{self, Passes, STEPS};
 use crate::optimize::problem::Conditions;
 use crate::optimize::real::Real;
@@ -123,26 +123,33 @@ impl Local<'_> {
     /// way to convergence that around every vertex.
     pub(crate) fn find_mean_energy(&self, delta: &[f64]) -> MeanEnergy {
         let tiles: Vec<_> = partition(self.surface, TILE, false).into_iter().flatten().collect();
+        let lows = self.surface.crossings().map(|crossing| crossing.low());
+        let cells = (self.settings.preset == Preset::Exact).then(|| Grid::of(lows));
         let found =
-            parallel::blocks(tiles.len(), 1, |n| self.energies_of(tiles[n.start].clone(), delta));
-        if self.settings.preset == Preset::Exact {
+            parallel::blocks(tiles.len(), 1, |n| self.energies_of(&tiles[n.start], cells, delta));
+        if let Some(cells) = cells {
             let mut gathered = Gathered::default();
             found.into_iter().filter_map(|(_, of_tile)| of_tile).for_each(|it| gathered.merge(it));
-            return MeanEnergy::around(self.surface.grid().dims(), &gathered);
+            return MeanEnergy::around(cells, &gathered);
         }
         let sum: f64 = found.into_iter().map(|(sum, _)| sum).sum();
         MeanEnergy::OfAll(sum / delta.len().max(1) as f64)
     }
 
-    fn energies_of(&self, points: TilePoints, delta: &[f64]) -> (f64, Option<Gathered>) {
+    fn energies_of(
+        &self,
+        points: &TilePoints,
+        cells: Option<Grid>,
+        delta: &[f64],
+    ) -> (f64, Option<Gathered>) {
         let energy = self.settings.energy();
-        let tile = Tile::cut(self.surface, points);
+        let tile = Tile::cut(self.surface, points.clone());
         if tile.network.vertex_count() == 0 {
             return Default::default();
         }
         let x: Vec<f32> = positions(&tile, delta);
-        let least = self.settings.tolerance();
-        let found = visit(&tile, &self.conditions(&energy), &[&[]], least, x, None);
+        let conditions = Conditions { cells, ..self.conditions(&energy) };
+        let found = visit(&tile, &conditions, &[&[]], 0.0, x, None);
         (found.energy_of_vertices, found.gathered)
     }
 

@@ -10,32 +10,59 @@ const EDGE: usize = 8;
 pub(crate) enum MeanEnergy {
     /// That of all vertices.
     OfAll(f64),
-    /// Those around every place of a lattice.
+    /// Those around every place.
     Around(Cells),
 }
 
-/// Energies of vertices by the cells of a lattice in which their grid edges start, as sums.
+/// Cells of a lattice that hold the vertices of a surface. They begin where it begins, so that it does not matter where in
+/// a volume it lies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Grid {
+    /// The lowest lattice point.
+    first: [usize; 3],
+    /// Cells along x, y, z.
+    counts: [usize; 3],
+}
+
+/// Energies of vertices by the cells in which their grid edges start, as sums.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Gathered(BTreeMap<[usize; 3], Sum>);
 
 /// The sum of some energies, and their number.
 type Sum = [f64; 2];
 
-/// Mean energies around the cells of a lattice.
+/// Mean energies around the cells.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Cells {
-    counts: [usize; 3],
+    grid: Grid,
     /// Energy and number of the vertices in a cell and those next to it; x fastest.
     sums: Vec<[f32; 2]>,
     of_all: f64,
 }
 
+impl Grid {
+    /// That of the vertices whose grid edges start at these lattice points.
+    pub(crate) fn of(mut points: impl Iterator<Item = [usize; 3]>) -> Self {
+        let first = points.next().unwrap_or_default();
+        let mut ends = [first; 2];
+        for point in points {
+            for (axis, x) in point.into_iter().enumerate() {
+                ends[0][axis] = ends[0][axis].min(x);
+                ends[1][axis] = ends[1][axis].max(x);
+            }
+        }
+        let counts = [0, 1, 2].map(|axis| (ends[1][axis] - ends[0][axis]) / EDGE + 1);
+        Self { first: ends[0], counts }
+    }
+}
+
 impl Gathered {
     /// Gathers the energies of vertices whose grid edges start at these lattice points.
-    pub(crate) fn new(vertices: impl Iterator<Item = ([usize; 3], f64)>) -> Self {
+    pub(crate) fn new(grid: Grid, vertices: impl Iterator<Item = ([usize; 3], f64)>) -> Self {
         let mut gathered = Self::default();
         for (point, energy) in vertices {
-            gathered.add(point.map(|index| index / EDGE), [energy, 1.0]);
+            let cell = [0, 1, 2].map(|axis| (point[axis] - grid.first[axis]) / EDGE);
+            gathered.add(cell, [energy, 1.0]);
         }
         gathered
     }
@@ -54,15 +81,15 @@ impl Gathered {
 }
 
 impl MeanEnergy {
-    /// The means around every place of a lattice with so many points along its axes.
-    pub(crate) fn around(dims: [usize; 3], gathered: &Gathered) -> Self {
-        let counts = dims.map(|points| points.div_ceil(EDGE));
+    /// The means around every place.
+    pub(crate) fn around(grid: Grid, gathered: &Gathered) -> Self {
+        let counts = grid.counts;
         let mut sums = vec![[0.0; 2]; counts.iter().product()];
         for (&[i, j, k], sum) in &gathered.0 {
             sums[i + counts[0] * (j + counts[1] * k)] = sum.map(|sum| sum as f32);
         }
         let all = gathered.0.values().fold([0.0; 2], |all, sum| [0, 1].map(|n| all[n] + sum[n]));
-        let mut cells = Cells { counts, sums, of_all: mean(all) };
+        let mut cells = Cells { grid, sums, of_all: all[0] / all[1].max(1.0) };
         for axis in 0..3 {
             cells.widen(axis);
         }
@@ -81,8 +108,8 @@ impl MeanEnergy {
 impl Cells {
     /// Adds half of what the cells before and after along an axis have.
     fn widen(&mut self, axis: usize) {
-        let count = self.counts[axis];
-        let stride: usize = self.counts[..axis].iter().product();
+        let count = self.grid.counts[axis];
+        let stride: usize = self.grid.counts[..axis].iter().product();
         let before = self.sums.clone();
         for (n, sums) in self.sums.iter_mut().enumerate() {
             let at = n / stride % count;
@@ -96,9 +123,10 @@ impl Cells {
 
     /// Between the centres of cells sums change evenly. Far from all vertices the mean is that of all.
     fn mean(&self, point: [usize; 3]) -> f64 {
+        let Grid { first, counts } = self.grid;
         let place = |axis: usize| {
-            let place = (point[axis] as f64 + 0.5) / EDGE as f64 - 0.5;
-            let place = place.clamp(0.0, (self.counts[axis] - 1) as f64);
+            let place = (point[axis] as f64 - first[axis] as f64 + 0.5) / EDGE as f64 - 0.5;
+            let place = place.clamp(0.0, (counts[axis] - 1) as f64);
             (place as usize, place.fract())
         };
         let places = [0, 1, 2].map(place);
@@ -108,17 +136,13 @@ impl Cells {
             for (axis, (low, part)) in places.into_iter().enumerate() {
                 let high = corner >> axis & 1;
                 weight *= if high == 1 { part } else { 1.0 - part };
-                index += stride * (low + high).min(self.counts[axis] - 1);
-                stride *= self.counts[axis];
+                index += stride * (low + high).min(counts[axis] - 1);
+                stride *= counts[axis];
             }
             sum = [0, 1].map(|n| sum[n] + weight * f64::from(self.sums[index][n]));
         }
-        if sum[1] > 0.0 { mean(sum) } else { self.of_all }
+        if sum[1] > 0.0 { sum[0] / sum[1] } else { self.of_all }
     }
-}
-
-fn mean([sum, count]: Sum) -> f64 {
-    sum / count.max(1.0)
 }
 
 #[cfg(test)]
@@ -134,7 +158,8 @@ mod tests {
     }
 
     fn around(energy: impl Fn([usize; 3]) -> f64) -> MeanEnergy {
-        MeanEnergy::around(DIMS, &Gathered::new(points().map(|point| (point, energy(point)))))
+        let grid = Grid::of(points());
+        MeanEnergy::around(grid, &Gathered::new(grid, points().map(|point| (point, energy(point)))))
     }
 
     fn at(means: &MeanEnergy, point: [usize; 3]) -> f64 {
@@ -165,18 +190,35 @@ mod tests {
     fn what_is_gathered_in_parts_is_what_is_gathered_at_once() {
         let of = |part: usize| {
             let own = points().filter(move |[i, ..]| i / 13 == part);
-            Gathered::new(own.map(|point| (point, point[0] as f64)))
+            Gathered::new(Grid::of(points()), own.map(|point| (point, point[0] as f64)))
         };
         let mut all = Gathered::default();
         (0..4).for_each(|part| all.merge(of(part)));
-        assert_eq!(all, Gathered::new(points().map(|point| (point, point[0] as f64))));
+        let grid = Grid::of(points());
+        assert_eq!(all, Gathered::new(grid, points().map(|point| (point, point[0] as f64))));
     }
 
     #[test]
     fn far_from_all_vertices_the_mean_is_that_of_all() {
-        let two = [([0, 0, 0], 1.0), ([1, 0, 0], 2.0)];
-        let means = MeanEnergy::around(DIMS, &Gathered::new(two.into_iter()));
-        assert_eq!(at(&means, [39, 23, 8]), 1.5);
-        assert_eq!(at(&means, [0, 0, 0]), 1.5);
+        let ends = [([1, 0, 0], 1.0), ([79, 23, 8], 2.0)];
+        let grid = Grid::of(ends.iter().map(|end| end.0));
+        let means = MeanEnergy::around(grid, &Gathered::new(grid, ends.into_iter()));
+        assert_eq!(at(&means, [40, 12, 4]), 1.5);
+        assert_eq!(at(&means, [79, 23, 8]), 2.0);
+        // Beyond the vertices, as after a change.
+        assert_eq!(at(&means, [0, 0, 0]), 1.0);
+    }
+
+    #[test]
+    fn means_move_with_the_vertices() {
+        let energy = |[i, j, k]: [usize; 3]| (i * i + 3 * j + k) as f64;
+        let here = around(energy);
+        let moved = |point: [usize; 3]| [point[0] + 3, point[1] + 5, point[2] + 9];
+        let grid = Grid::of(points().map(moved));
+        let vertices = points().map(|point| (moved(point), energy(point)));
+        let there = MeanEnergy::around(grid, &Gathered::new(grid, vertices));
+        for point in points() {
+            assert_eq!(at(&here, point), at(&there, moved(point)), "{point:?}");
+        }
     }
 }

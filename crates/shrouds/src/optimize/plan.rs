@@ -26,9 +26,14 @@ pub(super) enum Passes {
     },
 }
 
-/// Whether these are on the way to convergence; `least` as of [`visit`](super::visit::visit).
-pub(super) fn converges(least: f64, passes: &[&[Effort]]) -> bool {
-    least > 0.0 || passes.iter().flat_map(|steps| *steps).any(|effort| effort.converges)
+impl Passes {
+    /// Whether they are on the way to convergence.
+    pub(super) fn converge(self) -> bool {
+        match self {
+            Self::Fixed(passes) => passes.iter().any(|steps| steps.iter().any(|s| s.converges)),
+            Self::UntilConverged { .. } => true,
+        }
+    }
 }
 
 /// The most steps that prepare the work on another energy: enough on smooth surfaces to converge.

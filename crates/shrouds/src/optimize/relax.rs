@@ -4,8 +4,8 @@
 //! stays in the processor's cache, and the memory is that of the positions alone.
 
 use crate::optimize::conjugate::Effort;
-use crate::optimize::mean::{Gathered, MeanEnergy};
-use crate::optimize::plan::{self, Passes, STEPS};
+use crate::optimize::mean::{Gathered, Grid, MeanEnergy};
+use crate::optimize::plan::{Passes, STEPS};
 use crate::optimize::problem::Conditions;
 use crate::optimize::progress::{Observer, Positions, Progress};
 use crate::optimize::real::Real;
@@ -67,6 +67,9 @@ pub(super) fn relax<R: Real>(
     observer: &mut Observer,
 ) -> Relaxed {
     let relaxed = Relaxed::new(x.len());
+    let lows = surface.crossings().map(|crossing| crossing.low());
+    let cells = passes.converge().then(|| Grid::of(lows));
+    let conditions = &Conditions { cells, ..*conditions };
     let mut work = Work { surface, conditions, least: 0.0, mean_energy: None, relaxed };
     match passes {
         Passes::Fixed(passes) => work.make_all(passes, most_steps, x, observer),
@@ -202,7 +205,7 @@ impl Work<'_> {
         }
         // On the way to convergence what one tile finds is the surroundings of the next. Tiles of the
         // lattice know nothing of each other, and do not depend on the extent of the surface.
-        let converges = plan::converges(least, passes);
+        let converges = conditions.cells.is_some();
         let colours: Vec<Vec<TilePoints>> = match converges {
             true => partition(surface, TILE, shifted).into(),
             false => vec![Tiling::of(surface).tiles(surface, &surface.points())],
@@ -239,9 +242,8 @@ impl Work<'_> {
 
     /// Lets the barrier of the next pass follow the energies that one over so many vertices found.
     fn follow(&mut self, pass: &Pass, vertices: usize) {
-        if let Some(gathered) = &pass.gathered {
-            let dims = self.surface.grid().dims();
-            self.mean_energy = Some(MeanEnergy::around(dims, gathered));
+        if let (Some(cells), Some(gathered)) = (self.conditions.cells, &pass.gathered) {
+            self.mean_energy = Some(MeanEnergy::around(cells, gathered));
         } else if !self.is_one_tile(vertices) {
             let mean = pass.energy_of_vertices.mean(vertices as u64);
             self.mean_energy = Some(MeanEnergy::OfAll(mean));

@@ -3,7 +3,6 @@
 use crate::optimize::conjugate::Effort;
 use crate::optimize::mean::Gathered;
 use crate::optimize::newton::Newton;
-use crate::optimize::plan::converges;
 use crate::optimize::problem::{Conditions, Problem};
 use crate::optimize::real::Real;
 use crate::optimize::report::{Stationarity, free_gradient};
@@ -36,7 +35,7 @@ pub(super) struct Visit<R> {
     pub(super) first_move: f64,
     /// See [`Model::energy_of_vertices`](crate::optimize::model::Model::energy_of_vertices).
     pub(super) energy_of_vertices: f64,
-    /// The same vertex by vertex, on the way to convergence.
+    /// The same by the cells of the conditions, if they have any.
     pub(super) gathered: Option<Gathered>,
     pub(super) stationarity: Stationarity,
     /// See [`Problem::slopes`].
@@ -108,10 +107,10 @@ pub(super) fn visit<R: Real>(
     let stationarity = Stationarity::of(&newton.model, &x, &problem.bounds, &problem.is_foreign);
     let slopes = problem.slopes(&x);
     let energy_of_vertices = newton.model.energy_of_vertices(&problem);
-    let gathered = converges(least, passes).then(|| {
+    let gathered = conditions.cells.map(|cells| {
         let own = lows().enumerate().filter(|&(v, _)| !problem.is_foreign[v]);
         let energy = |(v, low)| (low, newton.model.energy_of_vertex(&problem, v));
-        Gathered::new(own.map(energy))
+        Gathered::new(cells, own.map(energy))
     });
     Visit {
         x,
