@@ -9,7 +9,7 @@ use crate::materials::network::Curves;
 use crate::materials::rows::{add_image, add_slopes};
 use crate::materials::window::Window;
 use crate::optimize::{
-    Effort, Gathered, Grid, MeanEnergy, Model, Problem, Real, Room, Workspace, scanned, stepped,
+    CellGrid, Effort, Gathered, MeanEnergy, Model, Problem, Real, Room, Workspace, scanned, stepped,
 };
 use crate::surface::Crossing;
 
@@ -114,7 +114,7 @@ impl<'a, R: Real> Newton<'a, R> {
             let of = |(v, crossing): (usize, &Crossing)| {
                 (crossing.low(), problem.energy_of_vertex(v, energy))
             };
-            let cells = Grid::of(crossings.iter().map(|crossing| crossing.low()));
+            let cells = CellGrid::of(crossings.iter().map(|crossing| crossing.low()));
             let gathered = Gathered::new(cells, crossings.iter().enumerate().map(of));
             MeanEnergy::around(cells, &gathered)
         } else {

@@ -7,7 +7,7 @@ use std::ops::Range;
 use crate::energy::Energy;
 use crate::error::Error;
 use crate::optimize::flat::{ACROSS, FARTHEST, flatness_of};
-use crate::optimize::mean::{Gathered, Grid, MeanEnergy};
+use crate::optimize::mean::{CellGrid, Gathered, MeanEnergy};
 use crate::optimize::plan::{self, Passes, STEPS};
 use crate::optimize::problem::Conditions;
 use crate::optimize::real::Real;
@@ -124,7 +124,7 @@ impl Local<'_> {
     pub(crate) fn find_mean_energy(&self, delta: &[f64]) -> MeanEnergy {
         let tiles: Vec<_> = partition(self.surface, TILE, false).into_iter().flatten().collect();
         let lows = self.surface.crossings().map(|crossing| crossing.low());
-        let cells = (self.settings.preset == Preset::Exact).then(|| Grid::of(lows));
+        let cells = (self.settings.preset == Preset::Exact).then(|| CellGrid::of(lows));
         let found =
             parallel::blocks(tiles.len(), 1, |n| self.energies_of(&tiles[n.start], cells, delta));
         if let Some(cells) = cells {
@@ -139,7 +139,7 @@ impl Local<'_> {
     fn energies_of(
         &self,
         points: &TilePoints,
-        cells: Option<Grid>,
+        cells: Option<CellGrid>,
         delta: &[f64],
     ) -> (f64, Option<Gathered>) {
         let energy = self.settings.energy();

@@ -17,7 +17,7 @@ pub(crate) enum MeanEnergy {
 /// Cells of a lattice that hold the vertices of a surface. They begin where it begins, so that it does not matter where in
 /// a volume it lies.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Grid {
+pub(crate) struct CellGrid {
     /// The lowest lattice point.
     first: [usize; 3],
     /// Cells along x, y, z.
@@ -34,13 +34,13 @@ type Sum = [f64; 2];
 /// Mean energies around the cells.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Cells {
-    grid: Grid,
+    grid: CellGrid,
     /// Energy and number of the vertices in a cell and those next to it; x fastest.
     sums: Vec<[f32; 2]>,
     of_all: f64,
 }
 
-impl Grid {
+impl CellGrid {
     /// That of the vertices whose grid edges start at these lattice points.
     pub(crate) fn of(mut points: impl Iterator<Item = [usize; 3]>) -> Self {
         let first = points.next().unwrap_or_default();
@@ -58,7 +58,7 @@ impl Grid {
 
 impl Gathered {
     /// Gathers the energies of vertices whose grid edges start at these lattice points.
-    pub(crate) fn new(grid: Grid, vertices: impl Iterator<Item = ([usize; 3], f64)>) -> Self {
+    pub(crate) fn new(grid: CellGrid, vertices: impl Iterator<Item = ([usize; 3], f64)>) -> Self {
         let mut gathered = Self::default();
         for (point, energy) in vertices {
             let cell = [0, 1, 2].map(|axis| (point[axis] - grid.first[axis]) / EDGE);
@@ -82,7 +82,7 @@ impl Gathered {
 
 impl MeanEnergy {
     /// The means around every place.
-    pub(crate) fn around(grid: Grid, gathered: &Gathered) -> Self {
+    pub(crate) fn around(grid: CellGrid, gathered: &Gathered) -> Self {
         let counts = grid.counts;
         let mut sums = vec![[0.0; 2]; counts.iter().product()];
         for (&[i, j, k], sum) in &gathered.0 {
@@ -123,7 +123,7 @@ impl Cells {
 
     /// Between the centres of cells sums change evenly. Far from all vertices the mean is that of all.
     fn mean(&self, point: [usize; 3]) -> f64 {
-        let Grid { first, counts } = self.grid;
+        let CellGrid { first, counts } = self.grid;
         let place = |axis: usize| {
             let place = (point[axis] as f64 - first[axis] as f64 + 0.5) / EDGE as f64 - 0.5;
             let place = place.clamp(0.0, (counts[axis] - 1) as f64);
@@ -158,7 +158,7 @@ mod tests {
     }
 
     fn around(energy: impl Fn([usize; 3]) -> f64) -> MeanEnergy {
-        let grid = Grid::of(points());
+        let grid = CellGrid::of(points());
         MeanEnergy::around(grid, &Gathered::new(grid, points().map(|point| (point, energy(point)))))
     }
 
@@ -190,18 +190,18 @@ mod tests {
     fn what_is_gathered_in_parts_is_what_is_gathered_at_once() {
         let of = |part: usize| {
             let own = points().filter(move |[i, ..]| i / 13 == part);
-            Gathered::new(Grid::of(points()), own.map(|point| (point, point[0] as f64)))
+            Gathered::new(CellGrid::of(points()), own.map(|point| (point, point[0] as f64)))
         };
         let mut all = Gathered::default();
         (0..4).for_each(|part| all.merge(of(part)));
-        let grid = Grid::of(points());
+        let grid = CellGrid::of(points());
         assert_eq!(all, Gathered::new(grid, points().map(|point| (point, point[0] as f64))));
     }
 
     #[test]
     fn far_from_all_vertices_the_mean_is_that_of_all() {
         let ends = [([1, 0, 0], 1.0), ([79, 23, 8], 2.0)];
-        let grid = Grid::of(ends.iter().map(|end| end.0));
+        let grid = CellGrid::of(ends.iter().map(|end| end.0));
         let means = MeanEnergy::around(grid, &Gathered::new(grid, ends.into_iter()));
         assert_eq!(at(&means, [40, 12, 4]), 1.5);
         assert_eq!(at(&means, [79, 23, 8]), 2.0);
@@ -214,7 +214,7 @@ mod tests {
         let energy = |[i, j, k]: [usize; 3]| (i * i + 3 * j + k) as f64;
         let here = around(energy);
         let moved = |point: [usize; 3]| [point[0] + 3, point[1] + 5, point[2] + 9];
-        let grid = Grid::of(points().map(moved));
+        let grid = CellGrid::of(points().map(moved));
         let vertices = points().map(|point| (moved(point), energy(point)));
         let there = MeanEnergy::around(grid, &Gathered::new(grid, vertices));
         for point in points() {

@@ -45,7 +45,7 @@ pub(crate) use around::Univariate;
 pub(crate) use conjugate::{Effort, Room, Workspace};
 pub use keep::keep_volumes;
 pub(crate) use local::{Local, flatness, update_flatness};
-pub(crate) use mean::{Gathered, Grid, MeanEnergy};
+pub(crate) use mean::{CellGrid, Gathered, MeanEnergy};
 pub(crate) use model::Model;
 pub(crate) use pieces::{FLAT_REACH, FixedPass, KNOWN, Piece, fixed_passes};
 pub(crate) use problem::{Conditions, Problem, power_of_root};

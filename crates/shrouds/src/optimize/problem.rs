@@ -10,7 +10,7 @@ use crate::network::{Network, REPEATED};
 use crate::optimize::barrier::{Barrier, Shared};
 use crate::optimize::bounds::Bounds;
 use crate::optimize::crease::Creases;
-use crate::optimize::mean::{Grid, MeanEnergy};
+use crate::optimize::mean::{CellGrid, MeanEnergy};
 use crate::optimize::real::Real;
 use crate::optimize::settings::Settings;
 use crate::optimize::strip::{Lengths, STRIP, Strip};
@@ -38,7 +38,7 @@ pub(crate) struct Conditions<'a> {
     /// what the barrier follows must not depend on where the surface is cut.
     pub(crate) mean_energy: Option<&'a MeanEnergy>,
     /// In what the energies are gathered that the barrier follows on the way to convergence.
-    pub(crate) cells: Option<Grid>,
+    pub(crate) cells: Option<CellGrid>,
     /// What pulls every vertex up its grid edge, or nothing.
     pub(crate) forces: Option<&'a [f32]>,
 }

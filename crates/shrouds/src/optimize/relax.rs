@@ -4,7 +4,7 @@
 //! stays in the processor's cache, and the memory is that of the positions alone.
 
 use crate::optimize::conjugate::Effort;
-use crate::optimize::mean::{Gathered, Grid, MeanEnergy};
+use crate::optimize::mean::{CellGrid, Gathered, MeanEnergy};
 use crate::optimize::plan::{Passes, STEPS};
 use crate::optimize::problem::Conditions;
 use crate::optimize::progress::{Observer, Positions, Progress};
@@ -68,7 +68,7 @@ pub(super) fn relax<R: Real>(
 ) -> Relaxed {
     let relaxed = Relaxed::new(x.len());
     let lows = surface.crossings().map(|crossing| crossing.low());
-    let cells = passes.converge().then(|| Grid::of(lows));
+    let cells = passes.converge().then(|| CellGrid::of(lows));
     let conditions = &Conditions { cells, ..*conditions };
     let mut work = Work { surface, conditions, least: 0.0, mean_energy: None, relaxed };
     match passes {
